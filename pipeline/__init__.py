@@ -1,0 +1,1 @@
+"""The engine: declares, plans, keys, stores and runs stages. Knows no physics."""

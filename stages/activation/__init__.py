@@ -1,0 +1,1 @@
+"""Transfer of the active stress from the electrophysiology mesh to the shell."""

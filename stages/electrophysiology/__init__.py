@@ -1,0 +1,1 @@
+"""Electrophysiology by isogeometric collocation, with the active stress of the cells."""

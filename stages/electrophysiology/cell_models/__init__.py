@@ -1,0 +1,1 @@
+"""Cell models, one per file, picked by name."""

@@ -1,0 +1,1 @@
+"""Tension laws, one per file, picked by name."""

@@ -1,0 +1,1 @@
+"""Kirchhoff-Love shell with active stress."""

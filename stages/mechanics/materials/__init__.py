@@ -1,0 +1,1 @@
+"""Materials, one per file, picked by name."""

@@ -1,0 +1,1 @@
+"""Splines, surfaces, quadrature, solvers: pure numerics, no input or output."""

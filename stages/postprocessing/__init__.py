@@ -1,0 +1,1 @@
+"""Measures of the beating film: probes, curvature, activation times, conduction velocity."""

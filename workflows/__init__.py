@@ -1,0 +1,1 @@
+"""Whole experiments: plans, command line, exports."""
