@@ -1,0 +1,127 @@
+"""Records that the stages hand to one another: array shapes, axis names and units.
+
+A record is a frozen dataclass. An array field names its unit and its axes; ``stored`` narrows the
+number format on disk where full precision carries no information. ``stored_as`` says in which format
+a record is kept: HDF5 for geometry and tables, zarr for fields that grow with time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stages.numerics.bsplines import Array
+from stages.numerics.patches import Patch
+
+
+def array(unit: str, *axes: str, stored: str | None = None) -> Any:
+    """Array field of a record, with its unit and the names of its axes."""
+    return field(metadata={"unit": unit, "axes": axes, "stored": stored})
+
+
+@dataclass(frozen=True)
+class ExcitableSurface:
+    """Mid-surface of the active layer on the electrophysiology mesh (eqs. 1, 13)."""
+
+    patch: Patch
+
+
+@dataclass(frozen=True)
+class MidSurface:
+    """Mid-surface of the undeformed shell on the mechanics mesh (eqs. 12, 40)."""
+
+    patch: Patch
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer of the film: its thickness in mm, its fibres in degrees from X, active or not."""
+
+    name: str
+    thickness: float
+    fibre_angle: float
+    active: bool
+
+
+@dataclass(frozen=True)
+class Laminate:
+    """Layers from the bottom (theta3 = -d/2) to the top (theta3 = d/2)."""
+
+    layers: tuple[Layer, ...]
+
+    @property
+    def thickness(self) -> float:
+        """Total thickness d, mm."""
+        return sum(layer.thickness for layer in self.layers)
+
+
+@dataclass(frozen=True)
+class FilmGeometry:
+    """What the geometry stage makes: three parts, each used by other stages on its own."""
+
+    excitable_surface: ExcitableSurface
+    mid_surface: MidSurface
+    laminate: Laminate
+
+
+@dataclass(frozen=True)
+class ActivationHistory:
+    """Potential and active stress at the collocation points over time (eqs. 10, 11, 85).
+
+    Collocation points are numbered as the control points of the excitable surface. An activation time
+    is the upward crossing of the activation threshold, interpolated between time steps; rows are
+    filled up with NaN.
+    """
+
+    stored_as: ClassVar[str] = "zarr"
+
+    time: Array = array("ms", "time")
+    potential: Array = array("mV", "time", "point", stored="float32")
+    active_stress: Array = array("kPa", "time", "point", stored="float32")
+    activation_times: Array = array("ms", "point", "beat")
+
+
+@dataclass(frozen=True)
+class StressSamples:
+    """Active stress at the in-plane quadrature points of the shell, at the mechanics times (eq. 87).
+
+    Quadrature points form a tensor grid: all points of direction 1 (element by element) times all
+    points of direction 2, direction 2 fastest.
+    """
+
+    stored_as: ClassVar[str] = "zarr"
+
+    time: Array = array("ms", "time")
+    active_stress: Array = array("kPa", "time", "quadrature_point")
+
+
+@dataclass(frozen=True)
+class Deformation:
+    """Motion of the shell's control points (eqs. 41, 53-67)."""
+
+    stored_as: ClassVar[str] = "zarr"
+
+    time: Array = array("ms", "time")
+    displacement: Array = array("mm", "time", "control_point", "xyz")
+    velocity: Array = array("mm/ms", "time", "control_point", "xyz")
+    acceleration: Array = array("mm/ms^2", "time", "control_point", "xyz")
+    kinetic_energy: Array = array("kPa mm^3", "time")
+    strain_energy: Array = array("kPa mm^3", "time")
+    newton_iterations: Array = array("1", "time")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What an experimenter would read off the film: tables over time and over probes."""
+
+    time: Array = array("ms", "time")
+    probe_names: tuple[str, ...]
+    probe_points: Array = array("mm", "probe", "xyz")
+    displacement: Array = array("mm", "time", "probe", "xyz")
+    active_stress: Array = array("kPa", "time", "probe")
+    potential: Array = array("mV", "time", "probe")
+    projected_length: Array = array("mm", "time")
+    curvature: Array = array("1/mm", "time")
+    activation_times: Array = array("ms", "probe", "beat")
+    peak_active_stress: Array = array("kPa", "probe", "beat")
+    conduction_velocity: Array = array("mm/ms", "beat")
