@@ -114,8 +114,8 @@ class Deformation:
 class Measures:
     """What an experimenter would read off the film: tables over time and over probes."""
 
-    time: Array = array("ms", "time")
     probe_names: tuple[str, ...]
+    time: Array = array("ms", "time")
     probe_points: Array = array("mm", "probe", "xyz")
     displacement: Array = array("mm", "time", "probe", "xyz")
     active_stress: Array = array("kPa", "time", "probe")
