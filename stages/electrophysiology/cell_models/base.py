@@ -1,0 +1,41 @@
+"""What a cell model is (eq. 10)."""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple, Protocol
+
+from stages.configuration import Section
+
+
+class CellModel(Section):
+    """Parameters of a cell model; its equations are plain functions beside the class.
+
+    A cell model file holds a subclass of this, names it in ``MODEL``, and defines at module level
+
+    - ``ionic_current(v, w, p) -> float``: I_ion / C_m in mV/ms, outward positive (enters dv/dt with
+      a minus sign);
+    - ``recovery_rate(v, w, p) -> float``: dw/dt in 1/ms;
+
+    where ``v`` is the potential in mV, ``w`` the recovery variable and ``p`` the named tuple that
+    ``constants()`` returns. They are scalar Python; the solver compiles them. Use
+    ``stages.numerics.elementary.exp`` for exponentials.
+    """
+
+    name: str
+
+    def constants(self) -> NamedTuple:
+        """Parameters as the equations read them."""
+        raise TypeError(f"{type(self).__name__} does not say its constants")
+
+    def resting_recovery(self) -> float:
+        """Recovery variable at rest."""
+        raise TypeError(f"{type(self).__name__} does not say its resting state")
+
+
+class CellEquations(Protocol):
+    """The two functions of a cell model's module."""
+
+    MODEL: ClassVar[type[CellModel]]
+
+    def ionic_current(self, v: float, w: float, p: NamedTuple) -> float: ...
+    def recovery_rate(self, v: float, w: float, p: NamedTuple) -> float: ...

@@ -1,0 +1,127 @@
+"""Configuration of the electrophysiology stage."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from stages.configuration import Edge, OneOf, Section, quantity, setting, unkeyed
+from stages.electrophysiology.cell_models.base import CellModel
+from stages.electrophysiology.tension_laws.base import TensionLaw
+
+
+class EdgeFlux(Section):
+    """Current flux through one edge of the film, for a while (eqs. 8, 78)."""
+
+    kind: Literal["edge-flux"] = "edge-flux"
+    edge: Edge = setting("edge that is stimulated", "sec. 4.3")
+    start: float = quantity("ms", "time at which the stimulus begins", "sec. 4.3", ge=0)
+    duration: float = quantity("ms", "length of the stimulus", "sec. 4.3", gt=0)
+    flux: float = quantity("nF*mV/ms/mm", "inward flux I_n = n . D grad v", "sec. 4.3")
+
+
+class PatchCurrent(Section):
+    """Current applied to a rectangle of the film's parametric square, for a while (eqs. 8, 73)."""
+
+    kind: Literal["patch-current"]
+    x: tuple[float, float] = quantity("mm", "extent along X", "eq. 8")
+    y: tuple[float, float] = quantity("mm", "extent along Y", "eq. 8")
+    start: float = quantity("ms", "time at which the stimulus begins", "eq. 8", ge=0)
+    duration: float = quantity("ms", "length of the stimulus", "eq. 8", gt=0)
+    current: float = quantity("nF*mV/ms/mm^2", "applied current I_app", "eq. 8")
+
+    @model_validator(mode="after")
+    def _extents_increase(self) -> PatchCurrent:
+        for axis in ("x", "y"):
+            low, high = getattr(self, axis)
+            if not low < high:
+                raise PydanticCustomError(
+                    "extent", "{axis} must run from a smaller to a larger value", {"axis": axis}
+                )
+        return self
+
+
+Stimulus = Annotated[EdgeFlux | PatchCurrent, Field(discriminator="kind")]
+
+
+class ElectrophysiologyConfig(Section):
+    """Monodomain problem on the active layer: mesh, time grid, cells, tension, stimuli."""
+
+    elements: tuple[int, int] = setting("knot spans along X and along Y", "sec. 4.3")
+    degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 4.3", ge=2)
+    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
+    duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
+    output_interval: float = quantity("ms", "time between stored frames", "this project", gt=0)
+    activation_threshold: float = quantity(
+        "mV", "potential whose upward crossing is the activation time", "this project"
+    )
+    conductivity: float = quantity("nF/ms", "tissue conductivity D", "Table 3", gt=0)
+    membrane_capacitance: float = quantity("nF/mm^2", "membrane capacitance C_m", "Table 3", gt=0)
+    initial_potential: float = quantity("mV", "potential at rest v_0", "Table 3")
+    cell_model: Annotated[CellModel, OneOf("stages.electrophysiology.cell_models", CellModel)] = (
+        setting("cell model by name, with its parameters", "eq. 100")
+    )
+    tension_law: Annotated[
+        TensionLaw, OneOf("stages.electrophysiology.tension_laws", TensionLaw)
+    ] = setting("tension law by name, with its parameters", "eqs. 97-98")
+    stimuli: tuple[Stimulus, ...] = setting(
+        "stimuli that are applied: names from the library, or tables", "sec. 4.3"
+    )
+    stimulus_library: dict[str, Stimulus] = unkeyed(
+        "named stimuli that `stimuli` may refer to", default_factory=dict
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _look_up_stimuli(cls, data: Any) -> Any:
+        """Replace names in ``stimuli`` by their tables in ``stimulus_library``."""
+        if not isinstance(data, dict):
+            return data
+        library = data.get("stimulus_library") or {}
+        chosen = data.get("stimuli")
+        if isinstance(chosen, str):
+            chosen = [part.strip() for part in chosen.split(",") if part.strip()]
+        if not isinstance(chosen, list | tuple) or not isinstance(library, dict):
+            return data
+        for name in chosen:
+            if isinstance(name, str) and name not in library:
+                near = get_close_matches(name, library, n=1, cutoff=0.3)
+                raise PydanticCustomError(
+                    "unknown_stimulus",
+                    "stimuli: no stimulus is called {name}{hint}; the library holds: {allowed}",
+                    {
+                        "name": repr(name),
+                        "hint": f" (did you mean {near[0]!r}?)" if near else "",
+                        "allowed": ", ".join(library) or "nothing",
+                    },
+                )
+        return data | {
+            "stimuli": tuple(library[item] if isinstance(item, str) else item for item in chosen)
+        }
+
+    @model_validator(mode="after")
+    def _whole_steps_per_frame(self) -> ElectrophysiologyConfig:
+        """Frames fall on time steps, and the last frame on the end."""
+        step = self.duration / self.n_steps
+        steps = self.output_interval / step
+        if abs(steps - round(steps)) > 1e-9 * steps or self.n_steps % max(round(steps), 1):
+            raise PydanticCustomError(
+                "output_interval",
+                "output_interval {interval} ms must be a whole number of time steps of {step} ms "
+                "(duration / n_steps) and divide the duration evenly",
+                {"interval": self.output_interval, "step": step},
+            )
+        return self
+
+    @property
+    def step(self) -> float:
+        """Time step, ms."""
+        return self.duration / self.n_steps
+
+    @property
+    def steps_per_frame(self) -> int:
+        """Time steps between stored frames."""
+        return max(round(self.output_interval / self.step), 1)

@@ -1,0 +1,23 @@
+"""What a tension law is (eq. 11)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from stages.configuration import Section
+
+
+class TensionLaw(Section):
+    """Parameters of a tension law; its equation is a plain function beside the class.
+
+    A tension law file holds a subclass of this, names it in ``MODEL``, and defines at module level
+    ``tension_rate(v, w, sigma, p) -> float``: d(sigma_a)/dt in kPa/ms, where ``v`` is the potential
+    in mV, ``w`` the recovery variable, ``sigma`` the active stress in kPa and ``p`` the named tuple
+    that ``constants()`` returns. Use ``stages.numerics.elementary.exp`` for exponentials.
+    """
+
+    name: str
+
+    def constants(self) -> NamedTuple:
+        """Parameters as the equation reads them."""
+        raise TypeError(f"{type(self).__name__} does not say its constants")

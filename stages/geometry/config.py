@@ -1,0 +1,36 @@
+"""Configuration of the film and of the two meshes laid over it."""
+
+from __future__ import annotations
+
+from stages.configuration import Section, quantity, setting
+
+
+class FilmConfig(Section):
+    """Flat rectangular film of two layers, clamped at X = 0 (sec. 4.1, Fig. 2)."""
+
+    length: float = quantity("mm", "length L1 of the film, along X", "sec. 4.1", gt=0)
+    width: float = quantity("mm", "width L2 of the film, along Y", "sec. 4.1", gt=0)
+    substrate_thickness: float = quantity(
+        "mm", "thickness d_s of the elastic substrate (bottom layer)", "sec. 4.1", gt=0
+    )
+    active_thickness: float = quantity(
+        "mm", "thickness d_a of the muscle (top layer)", "sec. 4.1", gt=0
+    )
+    fibre_angle: float = quantity(
+        "degree", "angle of the muscle fibres from the X axis", "sec. 4.1, 4.3", ge=-180, le=180
+    )
+
+
+class MeshConfig(Section):
+    """Uniform spline mesh of maximum continuity."""
+
+    elements: tuple[int, int] = setting("knot spans along X and along Y")
+    degree: int = setting("polynomial degree; 2 or more, since C1 is needed", ge=2)
+
+
+class GeometryStageConfig(Section):
+    """All that the geometry stage needs: the film, and the mesh of each sub-problem."""
+
+    film: FilmConfig
+    excitable_mesh: MeshConfig
+    shell_mesh: MeshConfig

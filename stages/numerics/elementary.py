@@ -1,0 +1,20 @@
+"""Elementary functions for model equations: plain Python here, fast vectorisable code once compiled.
+
+A model file that writes ``exp(x)`` with this ``exp`` stays light to import and easy to test; the
+compiled solvers replace it by :func:`stages.numerics.compiled.fast_exp`.
+"""
+
+from __future__ import annotations
+
+import math
+
+
+def exp(x: float) -> float:
+    """Exponential that saturates instead of overflowing: the argument is clipped to [-708, 708].
+
+    Examples
+    --------
+    >>> exp(0.0), exp(-1e9) < 1e-300, exp(1e9) > 1e300
+    (1.0, True, True)
+    """
+    return math.exp(min(max(x, -708.0), 708.0))
