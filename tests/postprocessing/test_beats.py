@@ -1,0 +1,84 @@
+"""Activation times, front speed and peaks, on waves of known speed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stages.numerics.patches import Patch
+from stages.postprocessing.beats import arrival_times, beat_peaks, conduction_velocity
+
+SURFACE = Patch.rectangle(3.5, 2.0).refine(2, (14, 8))
+PLACES = SURFACE.evaluate(*(space.greville() for space in SURFACE.spaces))
+THETA = np.array([[0.31, 0.5], [0.77, 0.21]])
+X = 3.5 * THETA[:, 0]
+
+
+def test_a_plane_wave_arrives_when_its_speed_says() -> None:
+    times = np.column_stack((PLACES[:, 0] / 0.0175, 430.0 + PLACES[:, 0] / 0.012))
+    found = arrival_times(SURFACE, times, THETA)
+    # Linear in X: the spline reproduces it to rounding of 700 ms.
+    np.testing.assert_allclose(found, np.column_stack((X / 0.0175, 430 + X / 0.012)), rtol=1e-13)
+
+
+def test_a_curved_front_is_interpolated_by_the_spline() -> None:
+    times = np.hypot(PLACES[:, 0] + 1.0, PLACES[:, 1])[:, None] / 0.02
+    exact = np.hypot(X + 1.0, 2.0 * THETA[:, 1]) / 0.02
+    found = arrival_times(SURFACE, times, THETA)[:, 0]
+    # Quadratic splines with h = 0.25 mm: h^3/15 times the third derivative (below 0.5/mm^2) / 0.02.
+    np.testing.assert_allclose(found, exact, atol=0.03)
+
+
+def test_points_that_did_not_fire_spoil_only_their_neighbourhood() -> None:
+    times = (PLACES[:, 0] / 0.0175)[:, None].copy()
+    times[PLACES[:, 0] > 2.0] = np.nan  # the wave dies at 2 mm
+    found = arrival_times(SURFACE, times, THETA)[:, 0]
+    assert found[0] == pytest.approx(X[0] / 0.0175, rel=1e-13)  # linear between neighbours
+    assert np.isnan(found[1])
+
+
+def test_a_probe_on_a_collocation_point_does_not_need_its_neighbours() -> None:
+    times = np.full((SURFACE.size, 1), np.nan)
+    times[0] = 3.25
+    assert arrival_times(SURFACE, times, np.array([[0.0, 0.0]]))[0, 0] == 3.25
+
+
+def test_no_beats_give_empty_tables() -> None:
+    nothing = np.empty((SURFACE.size, 0))
+    assert arrival_times(SURFACE, nothing, THETA).shape == (2, 0)
+    assert conduction_velocity(np.empty((2, 0)), 1.5).shape == (0,)
+    assert beat_peaks(np.ones((3, 2)), np.arange(3.0), np.empty((2, 0))).shape == (2, 0)
+
+
+def test_the_speed_of_a_wave_is_the_way_over_the_time() -> None:
+    arrivals = np.array([[57.0, 487.0, np.nan, 900.0, 950.0], [143.0, 612.0, 800.0, 850.0, 950.0]])
+    found = conduction_velocity(arrivals, 1.5)
+    np.testing.assert_allclose(found[:2], [1.5 / 86.0, 1.5 / 125.0], rtol=1e-15)
+    assert np.isnan(found[2])  # never passed the first gate
+    assert found[3] == pytest.approx(-0.03)  # came the other way
+    assert np.isnan(found[4])  # both gates at once: no speed
+
+
+def test_each_beat_has_its_own_peak() -> None:
+    time = np.arange(0.0, 101.0)
+    pulses = 12.0 * np.exp(-(((time - 20) / 5) ** 2)) + 10.0 * np.exp(-(((time - 70) / 5) ** 2))
+    stress = np.column_stack((pulses, pulses))
+    arrivals = np.array([[10.0, 60.0], [60.0, np.nan]])
+    peaks = beat_peaks(stress, time, arrivals)
+    # The pulses lie 10 widths apart: the other one's tail is exp(-100).
+    np.testing.assert_allclose(peaks[0], [12.0, 10.0], rtol=1e-15)
+    assert peaks[1, 0] == pytest.approx(10.0, rel=1e-15)
+    assert np.isnan(peaks[1, 1])
+
+
+def test_a_skipped_beat_does_not_shorten_the_one_before() -> None:
+    time = np.arange(0.0, 31.0)
+    stress = time[:, None]
+    peaks = beat_peaks(stress, time, np.array([[5.0, np.nan, 20.0]]))
+    assert peaks[0, 0] == 19.0
+    assert np.isnan(peaks[0, 1])
+    assert peaks[0, 2] == 30.0
+
+
+def test_a_beat_after_the_last_frame_has_no_peak() -> None:
+    assert np.isnan(beat_peaks(np.ones((3, 1)), np.arange(3.0), np.array([[2.5]]))[0, 0])

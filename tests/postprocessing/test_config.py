@@ -1,0 +1,29 @@
+"""What the postprocessing section refuses."""
+
+from __future__ import annotations
+
+import pytest
+from pydantic import ValidationError
+
+from stages.postprocessing.config import PostprocessingConfig
+
+GOOD = {"probes": {"A": (1.75, 1.0)}, "mid_axis": 1.0, "velocity_window": (1.0, 2.5)}
+
+
+def test_the_papers_probes_are_accepted() -> None:
+    assert PostprocessingConfig.model_validate(GOOD).probes == {"A": (1.75, 1.0)}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"probes": {}}, "at least one probe"),
+        ({"probes": {"A.x": (1.0, 1.0)}}, "must start with a letter"),
+        ({"velocity_window": (2.5, 1.0)}, "from a smaller to a larger X"),
+        ({"mid_axis": -1.0}, "greater than or equal to 0"),
+        ({"mid_axis": "middle"}, "valid number"),
+    ],
+)
+def test_a_wrong_value_is_refused_with_its_reason(change: dict[str, object], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        PostprocessingConfig.model_validate(GOOD | change)
