@@ -1,0 +1,132 @@
+"""Checkpoints: the state of an interrupted stage, in one file that is replaced atomically."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.durable import storing, write_atomically
+from pipeline.provenance import versions
+from pipeline.streams import SavedStream
+
+
+class UnusableCheckpoint(ValueError):  # noqa: N818 - the name says what is wrong
+    """A checkpoint that cannot be continued from; the stage starts anew."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """What a stage needs to go on where it was interrupted.
+
+    Attributes
+    ----------
+    key
+        Key of the result; it stands for configuration, code and inputs.
+    state
+        Arrays given by the stage.
+    streams
+        Unfinished chunk of each history, by part.
+    files
+        Size of each chunk file written so far, by its path in the data folder.
+    seconds, cpu_seconds, warnings, notes
+        What goes into the manifest of the whole.
+    versions
+        Library versions: others could continue with other last bits.
+    """
+
+    key: str
+    state: Mapping[str, NDArray[Any]]
+    streams: Mapping[str, SavedStream]
+    files: Mapping[str, int]
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    warnings: tuple[str, ...] = ()
+    notes: Mapping[str, Any] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=versions)
+
+    def save(self, path: Path) -> None:
+        """Write the checkpoint, replacing an earlier one."""
+        about = {name: getattr(self, name) for name in _PLAIN}
+        about["streams"] = {part: saved.frames_done for part, saved in self.streams.items()}
+        arrays = {f"state/{name}": values for name, values in self.state.items()}
+        for part, saved in self.streams.items():
+            arrays |= {f"stream/{part}/{name}": rows for name, rows in saved.buffers.items()}
+        contents = io.BytesIO()
+        text = np.frombuffer(json.dumps(about).encode(), np.uint8)
+        np.savez(contents, allow_pickle=False, about=text, **arrays)
+        with storing(path):
+            write_atomically(path, contents.getvalue())
+
+    @classmethod
+    def load(cls, path: Path, key: str, data: Path) -> Checkpoint | None:
+        """Checkpoint of a key, if there is one.
+
+        Raises
+        ------
+        UnusableCheckpoint
+            If it is damaged, of other library versions, or its data files are not there.
+        """
+        if not path.exists():
+            return None
+        try:
+            with np.load(path, allow_pickle=False) as kept:
+                arrays = {name: kept[name] for name in kept.files}
+            about = json.loads(arrays.pop("about").tobytes())
+            found = cls(
+                state=_below("state/", arrays),
+                streams={
+                    part: SavedStream(frames, _below(f"stream/{part}/", arrays))
+                    for part, frames in about.pop("streams").items()
+                },
+                **{**about, "warnings": tuple(about["warnings"])},
+            )
+        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, zlib.error) as error:
+            raise UnusableCheckpoint(f"it cannot be read ({error})") from error
+        found._check(key, data)
+        return found
+
+    def _check(self, key: str, data: Path) -> None:
+        if self.key != key:
+            raise UnusableCheckpoint("it belongs to another result")
+        if self.versions != versions():
+            changed = [n for n in versions() if self.versions.get(n) != versions()[n]]
+            raise UnusableCheckpoint(f"it was saved with other versions of {', '.join(changed)}")
+        present = chunk_files(data)
+        if any(present.get(path) != size for path, size in self.files.items()):
+            raise UnusableCheckpoint("data files that belong to it are missing or damaged")
+
+
+_PLAIN = ("key", "files", "seconds", "cpu_seconds", "warnings", "notes", "versions")
+
+
+def chunk_files(data: Path) -> dict[str, int]:
+    """Size of each file of array data below a folder; metadata files are left out."""
+    return {
+        path.relative_to(data).as_posix(): path.stat().st_size
+        for parent, _, names in os.walk(data)
+        for name in names
+        if name != "zarr.json" and (path := Path(parent, name))
+    }
+
+
+def keep_only(data: Path, files: Mapping[str, int]) -> None:
+    """Remove every file of a folder that does not belong to a checkpoint."""
+    for parent, _, names in os.walk(data):
+        for name in names:
+            path = Path(parent, name)
+            if path.relative_to(data).as_posix() not in files:
+                path.unlink()
+
+
+def _below(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    return {name[len(prefix) :]: a for name, a in arrays.items() if name.startswith(prefix)}

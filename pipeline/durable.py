@@ -1,0 +1,91 @@
+"""Writing that survives a crash, and disk errors told in the user's terms."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from pipeline.errors import StoreError
+
+
+def write_atomically(path: Path, contents: bytes) -> None:
+    """Replace a file by new contents: a reader sees the old or the new ones, never a mixture."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.new")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with open(temporary, "wb") as file:
+            file.write(contents)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    sync(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Force a file or a folder's entries to the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def sync_tree(folder: Path) -> None:
+    """Force all files and folders below (and including) a folder to the disk."""
+    for parent, _, files in os.walk(folder, topdown=False):
+        for name in files:
+            sync(Path(parent, name))
+        sync(Path(parent))
+
+
+def remove_tree(folder: Path) -> None:
+    """Remove a folder and all in it; nothing happens if it is not there."""
+    with contextlib.suppress(FileNotFoundError):
+        shutil.rmtree(folder)
+
+
+@contextlib.contextmanager
+def storing(path: Path) -> Iterator[None]:
+    """Translate disk errors met in the block.
+
+    Raises
+    ------
+    StoreError
+        Naming the path, the space left on its disk and what to do.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise _told(error, path) from error
+
+
+def _told(error: OSError, path: Path) -> StoreError:
+    where = Path(error.filename) if isinstance(error.filename, str) else path
+    code, text = error.errno, str(error)
+    if code in (errno.ENOSPC, errno.EDQUOT) or "No space left" in text or "errno = 28" in text:
+        return StoreError(
+            f"no space left on the disk of the store ({_free(path)} free)",
+            path=where,
+            remedy="free some space, or choose another disk with --store",
+        )
+    if code in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return StoreError(
+            f"no permission to write to the store ({_free(path)} free)",
+            path=where,
+            remedy="change the permissions, or choose another folder with --store",
+        )
+    return StoreError(f"the store cannot be used ({error.strerror or text})", path=where)
+
+
+def _free(path: Path) -> str:
+    for folder in (path, *path.parents):
+        with contextlib.suppress(OSError):
+            return f"{shutil.disk_usage(folder).free / 1e6:.1f} MB"
+    return "an unknown amount"

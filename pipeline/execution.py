@@ -1,0 +1,161 @@
+"""Computing one artefact, under the lock of its key."""
+
+from __future__ import annotations
+
+import datetime
+import resource
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.codecs import load, load_part, save
+from pipeline.durable import remove_tree, storing
+from pipeline.errors import MyofilmError, StageError, StoreError
+from pipeline.events import Listener, StageFailed, StageFinished, StageStarted
+from pipeline.fingerprint import locate
+from pipeline.interrupts import deferred_interrupts
+from pipeline.keys import Ref, Statement
+from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, whole_content
+from pipeline.nodes import Node, Part
+from pipeline.provenance import environment
+from pipeline.records import WHOLE, parts_of
+from pipeline.store import Store, Workspace
+from pipeline.storerun import StoreRun
+
+
+@dataclass(frozen=True)
+class Task:
+    """One node with everything that computing it takes."""
+
+    name: str
+    node: Node[Any]
+    statement: Statement
+    inputs: Mapping[str, InputEntry]
+    expected_seconds: float | None = None
+
+
+def execute(
+    task: Task, store: Store, work: Workspace, listen: Listener, checkpoint_interval: float
+) -> Manifest:
+    """Compute, write and publish an artefact.
+
+    Raises
+    ------
+    StageError
+        If the stage raises.
+    StoreError
+        If an input cannot be read or the result cannot be written.
+    """
+    stage, key = task.node.stage, task.statement.key
+    started = _now()
+    run = StoreRun(task.name, stage.name, key, task.node.record, work, listen, checkpoint_interval)
+    resumed = run.resumed_frames
+    listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
+    try:
+        inputs = {role: _load(task, role, store) for role in task.inputs}
+        record = _call(task, inputs, run)
+        with storing(work.data):
+            save(work.data, record, written=_streamed(task, record, run))
+            files = hash_files(work.data)
+    except StoreError:
+        if not work.checkpoint.exists():
+            with storing(work.folder):
+                remove_tree(work.folder)
+        raise
+    parts = content_ids(files)
+    manifest = Manifest(
+        stage=stage.name,
+        key=key,
+        config=task.statement.config,
+        code=task.statement.code.digest,
+        modules=task.statement.code.modules,
+        inputs=task.inputs,
+        files=files,
+        parts=parts,
+        content=whole_content(parts),
+        seconds=run.seconds,
+        cpu_seconds=run.cpu_seconds,
+        peak_memory=_peak_memory(),
+        started=started,
+        finished=_now(),
+        environment=environment(locate(stage.module)),
+        warnings=tuple(run.warnings),
+        notes=run.notes,
+    )
+    work.publish(manifest)
+    listen(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
+    return manifest
+
+
+def _load(task: Task, role: str, store: Store) -> Any:
+    source, entry = task.node.inputs[role], task.inputs[role]
+    folder = store.data(Ref(entry.stage, entry.key))
+    with storing(folder):
+        if isinstance(source, Part):
+            return load_part(folder, source.name, source.record)
+        return load(folder, source.record)
+
+
+def _call(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> Any:
+    stage = task.node.stage
+    try:
+        with deferred_interrupts() as run.interrupts:
+            record = stage.compute(task.node.config, run=run, **inputs)
+        if type(record) is not task.node.record:
+            raise TypeError(
+                f"it returned a {type(record).__name__} instead of a {task.node.record.__name__}"
+            )
+        return record
+    except MyofilmError:
+        raise
+    except Exception as error:
+        failure = _failure(stage.name, error, run)
+        run.emit(StageFailed(task.name, stage.name, failure.cause))
+        raise failure from error
+
+
+def _failure(stage: str, error: Exception, run: StoreRun) -> StageError:
+    cause = str(error).strip() or type(error).__name__
+    if isinstance(error, TypeError | AttributeError | LookupError | AssertionError | NameError):
+        cause = f"{type(error).__name__}: {cause}"  # not written for users: the type helps
+    place = getattr(error, "place", "")
+    if not place and run.step is not None:
+        place = f"step {run.step[0]} of {run.step[1]}"
+    return StageError(
+        stage,
+        cause,
+        place=place,
+        remedy=getattr(error, "remedy", "") or "",
+        kept=_kept(run),
+    )
+
+
+def _kept(run: StoreRun) -> Path | None:
+    """Folder of the work, if histories were streamed into it."""
+    frames = [history for history in run.histories.values() if history.frames_done]
+    for history in frames:
+        history.flush()
+    return run.work.folder if frames else None
+
+
+def _streamed(task: Task, record: Any, run: StoreRun) -> set[str]:
+    for part, history in run.histories.items():
+        value = record if part == WHOLE else getattr(record, part)
+        if history.record is None or value is not history.record:
+            raise StageError(
+                task.node.stage.name,
+                f"the result does not hold the finished history of {parts_of(type(record))[part]}",
+                remedy="return what history.finish(...) gives",
+            )
+    return set(run.histories)
+
+
+def _now() -> str:
+    return datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds")
+
+
+def _peak_memory() -> int:
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024

@@ -1,0 +1,76 @@
+"""One computation per key: file locks that the kernel frees when their process dies."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import json
+import os
+import platform
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from pipeline.events import Holder
+
+UNSUPPORTED = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
+
+
+@contextlib.contextmanager
+def locked(path: Path, stage: str, on_wait: Callable[[Holder], None]) -> Iterator[bool]:
+    """Hold the lock on a file; the file names host, process and stage of its holder.
+
+    Parameters
+    ----------
+    path
+        Lock file; it is created, and never removed, since another process may hold it open.
+    stage
+        Stage that is computed under the lock.
+    on_wait
+        Called once with the present holder before waiting for it.
+
+    Yields
+    ------
+    bool
+        Whether the lock excludes others; ``False`` on a file system without locks, where each
+        process must work in a folder of its own.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        exclusive = _acquire(descriptor, on_wait)
+        if exclusive:
+            _sign(descriptor, Holder(platform.node(), os.getpid(), stage))
+        yield exclusive
+        if exclusive:
+            _sign(descriptor, None)
+    finally:
+        os.close(descriptor)
+
+
+def _acquire(descriptor: int, on_wait: Callable[[Holder], None]) -> bool:
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            on_wait(_holder(descriptor))
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+    except OSError as error:
+        if error.errno not in UNSUPPORTED:
+            raise
+        return False
+    return True
+
+
+def _sign(descriptor: int, holder: Holder | None) -> None:
+    os.ftruncate(descriptor, 0)
+    if holder is not None:
+        os.pwrite(descriptor, json.dumps(vars(holder)).encode(), 0)
+
+
+def _holder(descriptor: int) -> Holder:
+    """The holder that signed the file; a process that has just taken the lock may not have yet."""
+    try:
+        return Holder(**json.loads(os.pread(descriptor, 4096, 0)))
+    except (ValueError, TypeError):
+        return Holder("unknown host", 0, "unknown")

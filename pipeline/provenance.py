@@ -1,0 +1,65 @@
+"""Where a result was computed: host, command line, versions, state of the source tree."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import platform
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+LIBRARIES = ("numpy", "scipy", "numba", "h5py", "zarr")
+"""Libraries whose version can change the last bits of a result."""
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Versions of Python and of the numerical libraries; nothing is imported."""
+    found = {"python": platform.python_version()}
+    for name in LIBRARIES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found
+
+
+def environment(source: Path | None) -> dict[str, Any]:
+    """Host, process and versions, and the git state of the folder that holds a source file."""
+    return {
+        "host": platform.node(),
+        "pid": os.getpid(),
+        "argv": list(sys.argv),
+        "platform": platform.platform(),
+        "cpus": os.cpu_count(),
+        "threads": {k: v for k, v in sorted(os.environ.items()) if k.endswith("_NUM_THREADS")},
+        "versions": dict(versions()),
+        "git": None if source is None else git_state(source.parent),
+    }
+
+
+def git_state(folder: Path) -> dict[str, Any] | None:
+    """Revision, whether it is dirty, and a digest of the changes; ``None`` outside a repository."""
+    revision = _git(folder, "rev-parse", "HEAD")
+    if revision is None:
+        return None
+    changes = _git(folder, "diff", "HEAD") or b""
+    return {
+        "revision": revision.decode().strip(),
+        "dirty": bool(_git(folder, "status", "--porcelain")),
+        "diff": hashlib.sha256(changes).hexdigest() if changes else None,
+    }
+
+
+def _git(folder: Path, *arguments: str) -> bytes | None:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(folder), *arguments], capture_output=True, timeout=10, check=False
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout if done.returncode == 0 else None

@@ -1,0 +1,143 @@
+"""The serial runner: computes what is not in the store, in order, one stage at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.events import Listener, StageHit, StageWaiting, ignore
+from pipeline.keys import Statement
+from pipeline.manifest import InputEntry, Manifest
+from pipeline.nodes import Node, in_order
+from pipeline.plan import input_entries, nearest, statement_of
+from pipeline.store import Store
+
+CHECKPOINT_INTERVAL = 60.0
+"""Seconds of work that a kill may cost at most."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a node.
+
+    Attributes
+    ----------
+    node, stage, key
+        What it is.
+    hit
+        Whether it was in the store already.
+    manifest
+        All that is known about it.
+    """
+
+    node: str
+    stage: str
+    key: str
+    hit: bool
+    manifest: Manifest
+    store: Store
+    record: type
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the computation, whenever it took place."""
+        return self.manifest.seconds
+
+    @property
+    def parts(self) -> Mapping[str, str]:
+        """Content id of each part."""
+        return self.manifest.parts
+
+    @property
+    def content(self) -> str:
+        """Content id of the whole."""
+        return self.manifest.content
+
+    def load(self, part: str | None = None) -> Any:
+        """The record, or one part of it.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be read.
+        """
+        from pipeline.codecs import load, load_part
+        from pipeline.durable import storing
+        from pipeline.records import parts_of
+
+        folder = self.store.data(self.manifest.ref)
+        with storing(folder):
+            if part is None:
+                return load(folder, self.record)
+            return load_part(folder, part, parts_of(self.record)[part])
+
+
+def run(
+    nodes: Mapping[str, Node[Any]],
+    store: Store,
+    *,
+    listen: Listener = ignore,
+    checkpoint_interval: float = CHECKPOINT_INTERVAL,
+) -> dict[str, Outcome]:
+    """Outcome of each node, computed unless the store holds it.
+
+    Parameters
+    ----------
+    nodes
+        Planned nodes by name; what they need is found or computed as well.
+    store
+        Where results are kept.
+    listen
+        Receives the events.
+    checkpoint_interval
+        Seconds between two checkpoints of a stage that makes them.
+
+    Raises
+    ------
+    StageError
+        If a stage fails; what was published before stays.
+    StoreError
+        If the store cannot be read or written.
+    """
+    manifests: dict[int, Manifest] = {}
+    outcomes: dict[int, Outcome] = {}
+    for name, node in in_order(nodes):
+        inputs = input_entries(node, manifests)
+        manifest, hit = _obtain(name, node, inputs, store, listen, checkpoint_interval)
+        manifests[id(node)] = manifest
+        outcomes[id(node)] = Outcome(
+            name, node.stage.name, manifest.key, hit, manifest, store, node.record
+        )
+    return {name: outcomes[id(node)] for name, node in nodes.items()}
+
+
+def _obtain(
+    name: str,
+    node: Node[Any],
+    inputs: Mapping[str, InputEntry],
+    store: Store,
+    listen: Listener,
+    checkpoint_interval: float,
+) -> tuple[Manifest, bool]:
+    """Manifest of a node's result, and whether it was there: check, lock, check again, compute."""
+    stated = statement_of(node, inputs)
+    stage, key = node.stage.name, stated.key
+    manifest = store.find(stated.ref)
+    if manifest is None:
+        with store.writing(
+            stated.ref, lambda holder: listen(StageWaiting(name, stage, key, holder))
+        ) as work:
+            manifest = store.find(stated.ref)
+            if manifest is None:
+                from pipeline.execution import Task, execute
+
+                task = Task(name, node, stated, inputs, _expected_seconds(stated, store))
+                return execute(task, store, work, listen, checkpoint_interval), False
+    listen(StageHit(name, stage, key))
+    return manifest, True
+
+
+def _expected_seconds(stated: Statement, store: Store) -> float | None:
+    past = nearest(stated.stage, stated.config, stated.code, stated.inputs, store)
+    return past[0].seconds if past else None

@@ -1,0 +1,268 @@
+"""The store: write-once artefacts, each in a folder that is there completely or not at all.
+
+Layout of a local store::
+
+    store.json                                  version of this layout
+    objects/<stage>/<key>/manifest.json, data/  artefacts, never modified
+    tmp/<key>/                                  work of the one process that holds the lock
+    locks/<key>
+    checkpoints/<key>/state.npz
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import platform
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from pipeline.durable import remove_tree, storing, sync, sync_tree, write_atomically
+from pipeline.errors import InputError, StoreError
+from pipeline.events import Holder
+from pipeline.keys import SCHEMA, Ref
+from pipeline.locks import locked
+from pipeline.manifest import FileEntry, Manifest, hash_files
+
+
+class Workspace(Protocol):
+    """Where the holder of a key's lock writes before it publishes."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the unfinished work."""
+        ...
+
+    @property
+    def data(self) -> Path:
+        """Folder for the data files of the artefact."""
+        ...
+
+    @property
+    def checkpoint(self) -> Path:
+        """File for the checkpoint."""
+        ...
+
+    def begin(self, *, resume: bool) -> None:
+        """Make ready to write; unless resuming, all that an earlier process left is removed."""
+        ...
+
+    def publish(self, manifest: Manifest) -> None:
+        """Make the data, with its manifest, an artefact for all readers at once."""
+        ...
+
+
+class Store(Protocol):
+    """What the engine needs of a store; ``StoreConformance`` in ``pipeline.testing`` tests it."""
+
+    def find(self, ref: Ref) -> Manifest | None:
+        """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked.
+
+        Raises
+        ------
+        StoreError
+            If the artefact is damaged.
+        """
+        ...
+
+    def manifest(self, ref: Ref) -> Manifest:
+        """Manifest of an artefact that must be there; its files are not looked at."""
+        ...
+
+    def data(self, ref: Ref) -> Path:
+        """Local folder with the data files of an artefact."""
+        ...
+
+    def refs(self, stage: str | None = None) -> Iterator[Ref]:
+        """Artefacts of one stage or of all, sorted."""
+        ...
+
+    def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
+        """Problems of an artefact in words; ``full`` recomputes every checksum."""
+        ...
+
+    def writing(
+        self, ref: Ref, on_wait: Callable[[Holder], None]
+    ) -> AbstractContextManager[Workspace]:
+        """Hold the lock of a key, waiting for its present holder, and work on the artefact."""
+        ...
+
+
+@dataclass(frozen=True)
+class LocalWorkspace:
+    """Work folder in a local store."""
+
+    folder: Path
+    checkpoint: Path
+    target: Path
+
+    @property
+    def data(self) -> Path:
+        """Folder for the data files."""
+        return self.folder / "data"
+
+    def begin(self, *, resume: bool) -> None:
+        """Make ready to write."""
+        with storing(self.folder):
+            if not resume:
+                remove_tree(self.folder)
+                remove_tree(self.checkpoint.parent)
+            self.data.mkdir(parents=True, exist_ok=True)
+
+    def publish(self, manifest: Manifest) -> None:
+        """Sync everything, then rename the folder: the only commit point."""
+        with storing(self.folder):
+            (self.folder / "manifest.json").write_bytes(manifest.to_json())
+            sync_tree(self.folder)
+            self.target.parent.mkdir(parents=True, exist_ok=True)
+            sync(self.target.parent.parent)
+            try:
+                os.rename(self.folder, self.target)
+            except OSError as error:
+                if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                    raise
+                remove_tree(self.folder)  # another process published the same result first
+            sync(self.target.parent)
+            remove_tree(self.checkpoint.parent)
+
+
+class LocalStore:
+    """A store in a folder; it is created when the first artefact is written.
+
+    Parameters
+    ----------
+    path
+        The folder.
+
+    Raises
+    ------
+    InputError
+        If the path is (or lies below) a file, or the store was written by a newer version.
+    StoreError
+        If the folder cannot be read.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path).expanduser().absolute()
+        if blocking := [
+            p for p in (self.path, *self.path.parents) if p.exists() and not p.is_dir()
+        ]:
+            raise InputError(f"the store must be a folder, but {blocking[0]} is a file")
+        self._check_version()
+
+    def find(self, ref: Ref) -> Manifest | None:
+        """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked."""
+        if not self._folder(ref).is_dir():
+            return None
+        if problems := self.verify(ref):
+            raise StoreError(
+                f"artefact {ref} is damaged ({'; '.join(problems)})",
+                path=self._folder(ref),
+                remedy="remove this folder; the next run computes the artefact again",
+            )
+        return self.manifest(ref)
+
+    def manifest(self, ref: Ref) -> Manifest:
+        """Manifest of an artefact that must be there; its files are not looked at.
+
+        Raises
+        ------
+        StoreError
+            If there is none, or it cannot be read.
+        """
+        path = self._folder(ref) / "manifest.json"
+        try:
+            with storing(path):
+                return Manifest.from_json(path.read_bytes())
+        except ValueError as error:
+            raise StoreError(f"unreadable manifest of {ref} ({error})", path=path) from error
+
+    def data(self, ref: Ref) -> Path:
+        """Folder with the data files of an artefact."""
+        return self._folder(ref) / "data"
+
+    def refs(self, stage: str | None = None) -> Iterator[Ref]:
+        """Artefacts of one stage or of all, sorted."""
+        objects = self.path / "objects"
+        for name in [stage] if stage is not None else _entries(objects):
+            yield from (Ref(name, key) for key in _entries(objects / name))
+
+    def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
+        """Problems of an artefact in words; ``full`` recomputes every checksum and the key."""
+        try:
+            manifest = self.manifest(ref)
+        except StoreError as error:
+            return (error.cause,)
+        problems = [p for p in (_size_problem(self.data(ref), f) for f in manifest.files) if p]
+        if manifest.ref != ref:
+            problems.append(f"its manifest belongs to {manifest.ref}")
+        if full and not problems:
+            problems.extend(_full_problems(self.data(ref), manifest))
+        return tuple(problems)
+
+    @contextlib.contextmanager
+    def writing(self, ref: Ref, on_wait: Callable[[Holder], None]) -> Iterator[LocalWorkspace]:
+        """Hold the lock of a key, waiting for its present holder, and work on the artefact."""
+        with contextlib.ExitStack() as stack:
+            with storing(self.path):
+                self._prepare()
+                lock = locked(self.path / "locks" / ref.key, ref.stage, on_wait)
+                exclusive = stack.enter_context(lock)
+            # Without locks each process works apart, and the rename decides who was first.
+            name = ref.key if exclusive else f"{ref.key}.{platform.node()}.{os.getpid()}"
+            yield LocalWorkspace(
+                folder=self.path / "tmp" / name,
+                checkpoint=self.path / "checkpoints" / name / "state.npz",
+                target=self._folder(ref),
+            )
+
+    def _folder(self, ref: Ref) -> Path:
+        return self.path / "objects" / ref.stage / ref.key
+
+    def _prepare(self) -> None:
+        for name in ("objects", "tmp", "locks", "checkpoints"):
+            (self.path / name).mkdir(parents=True, exist_ok=True)
+        if not (self.path / "store.json").exists():
+            write_atomically(self.path / "store.json", json.dumps({"version": SCHEMA}).encode())
+
+    def _check_version(self) -> None:
+        about = self.path / "store.json"
+        try:
+            with storing(about):
+                version = json.loads(about.read_bytes())["version"] if about.exists() else SCHEMA
+        except (ValueError, KeyError, TypeError) as error:
+            raise StoreError("unreadable description of the store", path=about) from error
+        if version > SCHEMA:
+            raise InputError(
+                f"the store {self.path} has layout version {version}; this program knows versions "
+                f"up to {SCHEMA}: update it, or choose another store with --store"
+            )
+
+
+def _entries(folder: Path) -> list[str]:
+    with storing(folder):
+        return sorted(os.listdir(folder)) if folder.is_dir() else []
+
+
+def _size_problem(data: Path, file: FileEntry) -> str | None:
+    try:
+        size = (data / file.path).stat().st_size
+    except OSError:
+        return f"{file.path} is missing"
+    return None if size == file.size else f"{file.path} has {size} bytes instead of {file.size}"
+
+
+def _full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
+    found = {entry.path: entry for entry in hash_files(data)}
+    kept = {entry.path: entry for entry in manifest.files}
+    yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
+    for path in sorted(kept):
+        if found[path].sha256 != kept[path].sha256:
+            yield f"the checksum of {path} is wrong"
+    if manifest.stated_key() != manifest.key:
+        yield "its key is not that of its statement"

@@ -1,0 +1,36 @@
+"""Helpers for the tests of stages and stores.
+
+:func:`interrupted_and_resumed` shows that a stage continues where it was stopped; a store
+implementation inherits ``StoreConformance`` of :mod:`pipeline.conformance`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from pipeline.memory import MemoryHistory, MemoryRun, Stopped
+from pipeline.nodes import Stage
+
+__all__ = ["MemoryHistory", "MemoryRun", "Stopped", "interrupted_and_resumed"]
+
+R = TypeVar("R")
+
+
+def interrupted_and_resumed(
+    stage: Stage[R], config: Any, *inputs: Any, after: int, **named: Any
+) -> R:
+    """Result of a stage that is stopped after a number of frames and then run again.
+
+    It must equal, bit for bit, the result of ``stage.compute(config, *inputs)``.
+
+    Raises
+    ------
+    AssertionError
+        If the stage never calls ``run.checkpoint`` with that many frames done.
+    """
+    run = MemoryRun(stop_after=after)
+    try:
+        stage.compute(config, *inputs, run=run, **named)
+    except Stopped:
+        return stage.compute(config, *inputs, run=run, **named)
+    raise AssertionError(f"stage {stage.name} made no checkpoint after {after} frames")
