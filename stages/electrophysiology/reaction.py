@@ -4,44 +4,62 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 from stages.electrophysiology.cell_models.base import CellModel
 from stages.electrophysiology.tension_laws.base import TensionLaw
+from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel
+
+
+class Cells(NamedTuple):
+    """Arrays of shape ``(point,)`` that the compiled loops advance in place.
+
+    ``potential`` mV; ``recovery`` dimensionless; ``stress`` kPa; ``ionic`` I_ion/C_m at the newest
+    level, mV/ms; ``crossing`` time of an upward crossing of the threshold, ms, else left as it is.
+    """
+
+    potential: Array
+    recovery: Array
+    stress: Array
+    ionic: Array
+    crossing: Array
+
+
+def ionic_current_of(cell_model: CellModel) -> Callable[..., float]:
+    """The function ``ionic_current(v, w, constants)`` beside a cell model's class."""
+    return cast(Callable[..., float], sys.modules[type(cell_model).__module__].ionic_current)
+
+
+class Clock(NamedTuple):
+    """Time step (ms) and activation threshold (mV)."""
+
+    step: float
+    threshold: float
 
 
 def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Callable[..., None]:
     """Compiled advance of all cells over one time step.
 
-    The returned kernel ``advance(v_old, v_new, w, sigma, ionic, crossing, start, step, threshold,
-    cell, tension)`` works in place on arrays of shape ``(point,)``: it advances ``w`` and ``sigma``
-    (eqs. 10, 11) over ``step`` with the potential running linearly from ``v_old`` to ``v_new``
-    (frozen potentials would be first order only), writes I_ion/C_m at the new time into ``ionic``,
-    and into ``crossing`` the time at which a potential rose through ``threshold``.
+    The returned kernel ``advance(cells, new_potential, start, clock, cell, tension)`` works in place:
+    it advances recovery and stress (eqs. 10, 11) from time ``start`` over one step with the potential
+    running linearly from ``cells.potential`` to ``new_potential`` (a frozen one would be first order
+    only), writes I_ion/C_m at the new time, notes crossings of the threshold, and takes over the new
+    potential. ``cell`` and ``tension`` are the constants of the two models.
     """
-    equations = sys.modules[type(cell_model).__module__]
-    ionic_current = inlined(equations.ionic_current)
-    recovery_rate = inlined(equations.recovery_rate)
+    ionic_current = inlined(ionic_current_of(cell_model))
+    recovery_rate = inlined(sys.modules[type(cell_model).__module__].recovery_rate)
     tension_rate = inlined(sys.modules[type(tension_law).__module__].tension_rate)
 
     @kernel
     def advance(
-        v_old: Any,
-        v_new: Any,
-        w: Any,
-        sigma: Any,
-        ionic: Any,
-        crossing: Any,
-        start: float,
-        step: float,
-        threshold: float,
-        cell: Any,
-        tension: Any,
+        cells: Any, new_potential: Any, start: float, clock: Any, cell: Any, tension: Any
     ) -> None:
+        v_old, w, sigma, ionic, crossing = cells
+        step, threshold = clock
         half = 0.5 * step
         for i in range(v_old.size):
-            v0, v1 = v_old[i], v_new[i]
+            v0, v1 = v_old[i], new_potential[i]
             vm = 0.5 * (v0 + v1)
             w0, s0 = w[i], sigma[i]
             kw1 = recovery_rate(v0, w0, cell)
@@ -62,5 +80,6 @@ def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Callable
             before = crossing[i]
             time = start + step * (threshold - v0) / (v1 - v0)
             crossing[i] = time if (v0 < threshold) & (v1 >= threshold) else before
+            v_old[i] = v1
 
     return advance

@@ -25,7 +25,7 @@ _LN2_LOW = 1.90821492927058770002e-10
 _ROUND = 6755399441055744.0  # 1.5 * 2**52: adding it leaves the nearest integer in the low bits
 
 
-_OPTIONS = {"error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
+_OPTIONS: Any = {"error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 
 def kernel(function: Function) -> Function:
@@ -38,8 +38,7 @@ def inlined(function: Function) -> Function:
     return cast(Function, numba.njit(forceinline=True, **_OPTIONS)(function))
 
 
-@intrinsic  # type: ignore[untyped-decorator]  # numba is untyped
-def _bits(typing_context: Any, value: Any) -> Any:
+def _bits_of(typing_context: Any, value: Any) -> Any:
     """Bit pattern of a float64 as int64."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -48,14 +47,17 @@ def _bits(typing_context: Any, value: Any) -> Any:
     return types.int64(types.float64), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]  # numba is untyped
-def _float(typing_context: Any, value: Any) -> Any:
+def _float_of(typing_context: Any, value: Any) -> Any:
     """float64 with the bit pattern of an int64."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.bitcast(arguments[0], ir.DoubleType())
 
     return types.float64(types.int64), generate
+
+
+_bits: Any = intrinsic(_bits_of)
+_float: Any = intrinsic(_float_of)
 
 
 @inlined
@@ -95,8 +97,5 @@ def _compiled_exp(x: float) -> Any:
     return implementation
 
 
-overload(
-    elementary.exp,
-    jit_options={"forceinline": True, **_OPTIONS},
-    inline="always",
-)(_compiled_exp)
+_exp_options: Any = {"forceinline": True, **_OPTIONS}
+overload(elementary.exp, jit_options=_exp_options, inline="always")(_compiled_exp)

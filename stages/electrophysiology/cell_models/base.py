@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple, Protocol
+from typing import NamedTuple
 
 from stages.configuration import Section
 
@@ -30,12 +30,3 @@ class CellModel(Section):
     def resting_recovery(self) -> float:
         """Recovery variable at rest."""
         raise TypeError(f"{type(self).__name__} does not say its resting state")
-
-
-class CellEquations(Protocol):
-    """The two functions of a cell model's module."""
-
-    MODEL: ClassVar[type[CellModel]]
-
-    def ionic_current(self, v: float, w: float, p: NamedTuple) -> float: ...
-    def recovery_rate(self, v: float, w: float, p: NamedTuple) -> float: ...

@@ -1,0 +1,138 @@
+"""Time steps on a separable patch: whole blocks of steps inside one compiled call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stages.electrophysiology.separable import SeparableDiffusion
+from stages.electrophysiology.tissue import Problem, TissueState
+from stages.numerics.bsplines import Array
+from stages.numerics.collocation import CollocationOperators
+from stages.numerics.compiled import kernel
+
+
+class System(NamedTuple):
+    """Matrices of the compiled loop, C-contiguous; see :class:`SeparableDiffusion` and ``Modes``."""
+
+    to1: Array
+    to2: Array
+    from1: Array
+    from2: Array
+    keep: Array
+    gain: Array
+    lifts: Array
+    lift_modes: Array
+    applied: Array
+
+
+class SeparableStepper:
+    """Steps on a flat film or any patch with orthogonal, constant metric."""
+
+    def __init__(
+        self, problem: Problem, diffusion: SeparableDiffusion, operators: CollocationOperators
+    ) -> None:
+        self.problem, self.diffusion = problem, diffusion
+        inside = operators.interior.astype(float)
+        first, second = diffusion.first, diffusion.second
+        self.shape = (first.to_points.shape[0], second.to_points.shape[0])
+        applied = (problem.applied() * inside).reshape(-1, *self.shape)
+        self.block = compile_block(problem.advance_cells)
+        self.system = System(
+            *map(
+                np.ascontiguousarray,
+                (
+                    first.to_points,
+                    second.to_points.T,
+                    first.from_points,
+                    second.from_points.T,
+                    diffusion.keep,
+                    diffusion.gain,
+                    diffusion.lifts,
+                    diffusion.lift_modes,
+                    applied,
+                ),
+            )
+        )
+
+    def diffusion_state(self, potential: Array) -> Array:
+        """Amplitudes of the modes, shape ``(n1 - 2, n2 - 2)``."""
+        grid = potential.reshape(self.shape)
+        return self.diffusion.first.from_points @ grid @ self.diffusion.second.from_points.T
+
+    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+        """Take ``steps`` steps in place."""
+        problem = self.problem
+        self.block(
+            state.cells(crossing),
+            state.ionic_before,
+            state.diffusion,
+            self.system,
+            problem.amplitudes(state.steps, steps),
+            state.steps,
+            problem.clock,
+            *problem.constants,
+        )
+        state.steps += steps
+
+
+def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
+    """Compiled loop over time steps of :class:`SeparableStepper`."""
+
+    @kernel
+    def block(
+        cells: Any,
+        ionic_before: Any,
+        modes: Any,
+        system: Any,
+        on: Any,
+        first_step: int,
+        clock: Any,
+        cell: Any,
+        tension: Any,
+    ) -> None:
+        to1, to2, from1, from2, keep, gain, lifts, lift_modes, applied = system
+        ionic, step = cells.ionic, clock.step
+        m1, m2 = to1.shape[0], to2.shape[1]
+        points = m1 * m2
+        residual = np.empty((m1, m2))
+        flat = residual.reshape(points)
+        half = np.empty((from1.shape[0], m2))
+        source = np.empty_like(modes)
+        wide = np.empty((m1, to2.shape[0]))
+        new = np.empty((m1, m2))
+        new_flat = new.reshape(points)
+        for k in range(on.shape[0] - 1):
+            now = 1.5 * step if first_step + k > 0 else step
+            before = 0.5 * step if first_step + k > 0 else 0.0
+            for i in range(points):
+                flat[i] = before * ionic_before[i] - now * ionic[i]
+            for s in range(on.shape[1]):
+                weight = 0.5 * step * (on[k, s] + on[k + 1, s])
+                if weight > 0.0:
+                    for a in range(m1):
+                        for b in range(m2):
+                            residual[a, b] += weight * applied[s, a, b]
+            np.dot(from1, residual, half)
+            np.dot(half, from2, source)
+            for s in range(on.shape[1]):
+                if on[k, s] > 0.0:
+                    for a in range(modes.shape[0]):
+                        for b in range(modes.shape[1]):
+                            source[a, b] += on[k, s] * lift_modes[s, a, b]
+            for a in range(modes.shape[0]):
+                for b in range(modes.shape[1]):
+                    modes[a, b] = keep[a, b] * modes[a, b] + gain[a, b] * source[a, b]
+            np.dot(to1, modes, wide)
+            np.dot(wide, to2, new)
+            for s in range(on.shape[1]):
+                if on[k + 1, s] > 0.0:
+                    for i in range(points):
+                        new_flat[i] += on[k + 1, s] * lifts[s, i]
+            for i in range(points):
+                ionic_before[i] = ionic[i]
+            advance_cells(cells, new_flat, (first_step + k) * step, clock, cell, tension)
+
+    return block

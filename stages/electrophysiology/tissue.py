@@ -1,0 +1,104 @@
+"""The tissue in time: its state, the numbers of the time loop, and what a stepper does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from stages.electrophysiology.reaction import Cells, Clock
+from stages.electrophysiology.stimuli import Source
+from stages.numerics.bsplines import Array
+
+
+class UnstableSolutionError(ArithmeticError):
+    """The potential grew beyond all bounds."""
+
+    remedy = (
+        "The explicit ionic current limits the time step: raise electrophysiology.n_steps, "
+        "or check the strength of the stimuli."
+    )
+
+    def __init__(self, steps: int, time: float) -> None:
+        super().__init__(f"the potential is no longer finite after step {steps} (t = {time:g} ms)")
+
+
+@dataclass
+class TissueState:
+    """State of all cells at one time level; arrays over collocation points, changed in place.
+
+    ``potential`` in mV, ``recovery`` dimensionless, ``active_stress`` in kPa, ``ionic`` and
+    ``ionic_before`` I_ion/C_m at this and the previous level in mV/ms, ``diffusion`` the solver's
+    own unknowns, ``steps`` the number of steps done.
+    """
+
+    potential: Array
+    recovery: Array
+    active_stress: Array
+    ionic: Array
+    ionic_before: Array
+    diffusion: Array
+    steps: int
+
+    def cells(self, crossing: Array) -> Cells:
+        """The cells' arrays as the compiled loops take them."""
+        return Cells(self.potential, self.recovery, self.active_stress, self.ionic, crossing)
+
+    def arrays(self) -> dict[str, Any]:
+        """Everything that a continuation needs."""
+        return {name: np.copy(value) for name, value in vars(self).items()}
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Go on from :meth:`arrays`; other entries of ``saved`` are ignored."""
+        for name in vars(self):
+            setattr(self, name, np.array(saved[name]))
+        self.steps = int(self.steps)
+
+    def check_finite(self, step: float) -> None:
+        """Stop as soon as a potential is no number any more.
+
+        Raises
+        ------
+        UnstableSolutionError
+            With the time at which it was noticed.
+        """
+        if not np.isfinite(self.potential).all():
+            raise UnstableSolutionError(self.steps, self.steps * step)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Data of the time loop.
+
+    Time step and threshold; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled advance of the cells
+    (:func:`compile_reaction`) with the constants of the cell model and of the tension law.
+    """
+
+    clock: Clock
+    capacitance: float
+    conductivity: float
+    sources: tuple[Source, ...]
+    advance_cells: Callable[..., None]
+    constants: tuple[NamedTuple, NamedTuple]
+
+    def amplitudes(self, first: int, steps: int) -> Array:
+        """Amplitude of each stimulus at levels first .. first + steps, shape ``(steps + 1, stimulus)``."""
+        times = np.arange(first, first + steps + 1, dtype=float) * self.clock.step
+        columns = [source.amplitude(times) for source in self.sources]
+        return np.stack(columns, axis=1) if columns else np.zeros((steps + 1, 0))
+
+    def applied(self) -> Array:
+        """I_app/C_m of each stimulus, mV/ms, shape ``(stimulus, point)``."""
+        return np.array([source.interior / self.capacitance for source in self.sources])
+
+
+class Stepper(Protocol):
+    """One way to take time steps; both ways give the same potentials up to round-off."""
+
+    def diffusion_state(self, potential: Array) -> Array:
+        """Solver unknowns that represent a potential given at the points, with no flux."""
+
+    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+        """Take ``steps`` steps in place; crossing times of the activation threshold go to ``crossing``."""
