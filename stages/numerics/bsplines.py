@@ -134,10 +134,8 @@ class SplineSpace:
         self.span(x)
         if derivative > self.degree:
             return np.zeros((x.size, self.size))
-        basis = BSpline(self.knots, np.eye(self.size), self.degree, extrapolate=True)
-        if derivative:
-            basis = basis.derivative(derivative)
-        return np.asarray(basis(x), dtype=float)
+        basis = BSpline(self.knots, np.eye(self.size), self.degree)
+        return np.asarray(basis(x, nu=derivative), dtype=float)
 
     def local(self, x: Array, derivatives: int) -> tuple[NDArray[np.int64], Array]:
         """Only the p + 1 functions that do not vanish at each point.

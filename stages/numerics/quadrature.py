@@ -54,37 +54,13 @@ class QuadratureGrid:
 
 
 def quadrature_grid(patch: Patch, points: int) -> QuadratureGrid:
-    """Gauss points of all elements of a patch, ``points`` per element and direction."""
-    (t1, w1), (t2, w2) = (gauss_on_spans(space.breaks, points) for space in patch.spaces)
-    return QuadratureGrid(t1.ravel(), t2.ravel(), w1.ravel(), w2.ravel())
-
-
-def quadrature_grid(
-    breaks1: Array, breaks2: Array, points: int
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Tensor grid of Gauss points over the knot spans of a patch.
-
-    Points of direction 1 run element by element, so do those of direction 2; the grid is numbered
-    with direction 2 fastest.
-
-    Parameters
-    ----------
-    breaks1, breaks2
-        Distinct knots of both directions.
-    points
-        Gauss points per knot span and direction.
-
-    Returns
-    -------
-    (theta1, weight1), (theta2, weight2)
-        Parameters and weights per direction, each of shape ``(spans * points,)``.
+    """Gauss points of all elements of a patch, ``points`` per element and direction.
 
     Examples
     --------
-    >>> (x, wx), (y, wy) = quadrature_grid(np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0]), 2)
-    >>> x.size, y.size, round(float(wx @ x * (wy @ y)), 12)  # integral of x y over [0,3] x [0,2]
-    (4, 2, 9.0)
+    >>> grid = quadrature_grid(Patch.rectangle(3.0, 2.0).refine(2, (4, 2)), 3)
+    >>> grid.theta1.size, grid.theta2.size, round(float(grid.weights1.sum()), 12)
+    (12, 6, 1.0)
     """
-    rules = [gauss_on_spans(breaks, points) for breaks in (breaks1, breaks2)]
-    (x1, w1), (x2, w2) = [(x.ravel(), w.ravel()) for x, w in rules]
-    return (x1, w1), (x2, w2)
+    (t1, w1), (t2, w2) = (gauss_on_spans(space.breaks, points) for space in patch.spaces)
+    return QuadratureGrid(t1.ravel(), t2.ravel(), w1.ravel(), w2.ravel())

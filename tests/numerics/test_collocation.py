@@ -1,0 +1,89 @@
+"""The collocated Laplace-Beltrami operator converges on flat, skewed and curved patches."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from stages.numerics.bsplines import Array
+from stages.numerics.collocation import collocate
+from stages.numerics.patches import Patch
+from tests.problems import observed_orders, parabolic_sheet, sheet_arc_length, skewed_square
+
+
+def poisson_error(degree: int, elements: int) -> float:
+    """Relative error of Lap v = q on the skewed square; v = sin(pi x) sin(pi y) (Appendix C)."""
+    patch = skewed_square().refine(degree, (elements, elements))
+    operators = collocate(patch)
+    x, y = operators.frame.position[:, 0], operators.frame.position[:, 1]
+    exact = np.sin(np.pi * x) * np.sin(np.pi * y)
+    slopes = np.pi * np.stack(
+        (np.cos(np.pi * x) * np.sin(np.pi * y), np.sin(np.pi * x) * np.cos(np.pi * y)), axis=1
+    )
+    matrix = operators.laplacian.tolil()
+    right = -2.0 * np.pi**2 * exact
+    boundary = ~operators.interior
+    matrix[boundary] = operators.flux.tolil()[boundary]
+    normals = {"X=0": (-1, 0), "X=L1": (1, 0), "Y=0": (0, -1), "Y=L2": (0, 1)}
+    right[boundary] = 0.0
+    for name, normal in normals.items():
+        points = operators.edges[name]
+        right[points] += slopes[points] @ normal
+    left = operators.edges["X=0"]
+    matrix[left] = operators.values.tolil()[left]
+    right[left] = exact[left]
+    control = spsolve(matrix.tocsc(), right)
+    error = operators.values @ control - exact
+    return float(np.linalg.norm(error) / np.linalg.norm(exact))
+
+
+@pytest.mark.parametrize(("degree", "order"), [(2, 2), (3, 2), (4, 4)])
+def test_poisson_converges_at_the_order_of_greville_collocation(degree: int, order: int) -> None:
+    """Order p for even and p - 1 for odd degree (Auricchio et al., 2010)."""
+    errors = np.array([poisson_error(degree, elements) for elements in (8, 16, 32)])
+    # pre-asymptotic on such meshes: within 0.35 of the order, never far below it
+    assert observed_orders(errors)[-1] > order - 0.35
+    assert errors[-1] < 1e-2
+
+
+def test_the_laplacian_of_a_curved_sheet_is_that_of_its_arc_length() -> None:
+    """On a sheet bent without stretch, Lap cos(k s) = -k^2 cos(k s) with s the arc length."""
+    bend, length = 1.2, 2.0
+    total = sheet_arc_length(bend, np.array(length))
+    errors = []
+    for elements in (10, 20, 40):
+        patch = parabolic_sheet(bend, length, 1.0).refine(4, (elements, 3))
+        operators = collocate(patch)
+        field, second = _wave(operators.frame.position[:, 0], bend, float(total))
+        control = spsolve(operators.values.tocsc(), field)
+        inside = operators.interior
+        errors.append(np.abs((operators.laplacian @ control - second)[inside]).max())
+    # interpolation of degree 4, differentiated twice: order 3 at least
+    assert observed_orders(np.array(errors))[-1] > 2.8
+
+
+def _wave(x: Array, bend: float, total: float) -> tuple[Array, Array]:
+    wave = np.pi / total
+    field = np.cos(wave * sheet_arc_length(bend, x))
+    return field, -(wave**2) * field
+
+
+def test_a_corner_row_is_the_sum_of_its_two_edge_rows() -> None:
+    patch = Patch.rectangle(3.5, 2.0).refine(2, (6, 4))
+    operators = collocate(patch)
+    x, y = operators.frame.position[:, 0], operators.frame.position[:, 1]
+    linear = spsolve(operators.values.tocsc(), 5.0 * x + 7.0 * y)
+    flux = operators.flux @ linear
+    rows, columns = patch.first.size, patch.second.size
+    grid = flux.reshape(rows, columns)
+    np.testing.assert_allclose(grid[0, 1:-1], -5.0, atol=1e-11)
+    np.testing.assert_allclose(grid[1:-1, -1], 7.0, atol=1e-11)
+    corners = [grid[0, 0], grid[0, -1], grid[-1, 0], grid[-1, -1]]
+    np.testing.assert_allclose(corners, [-12.0, 2.0, -2.0, 12.0], atol=1e-11)
+    np.testing.assert_array_equal(grid[1:-1, 1:-1], 0.0)
+
+
+def test_degree_one_is_refused() -> None:
+    with pytest.raises(ValueError, match="collocation needs C1 splines"):
+        collocate(Patch.rectangle(1.0, 1.0))
