@@ -60,7 +60,7 @@ Fields: TypeAlias = tuple[tuple[str, Any, Mapping[str, Any]], ...]
 
 
 def field_hints(structure: type[Any]) -> Fields:
-    """Declared fields of a dataclass or pydantic model."""
+    """Declared fields of a dataclass or pydantic model, without those derived from others."""
     return _field_hints(structure)  # type: ignore[arg-type]  # every class is hashable
 
 
@@ -72,7 +72,9 @@ def _field_hints(structure: Any) -> Fields:
             for name, info in structure.model_fields.items()
         )
     hints = _dataclass_hints(structure)
-    return tuple((f.name, hints[f.name], f.metadata) for f in dataclasses.fields(structure))
+    return tuple(
+        (f.name, hints[f.name], f.metadata) for f in dataclasses.fields(structure) if f.init
+    )
 
 
 def alternatives(hint: Any) -> tuple[Any, ...]:

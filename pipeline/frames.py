@@ -67,7 +67,7 @@ class FrameShapes(Generic[R]):
     def dtype(self, name: str, array: NDArray[Any] | None = None) -> np.dtype[Any]:
         """Stored type of a field: the declared one, else the array's own."""
         own = np.dtype(np.float64) if array is None else array.dtype
-        declared: np.dtype[Any] = np.dtype(field_metadata(self.record, name).get("stored", own))
+        declared: np.dtype[Any] = np.dtype(field_metadata(self.record, name).get("stored") or own)
         return declared
 
     def check_finished(self, done: int, fields: Mapping[str, Any]) -> None:

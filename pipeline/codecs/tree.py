@@ -103,7 +103,7 @@ def checked_array(
 ) -> tuple[NDArray[Any], str, tuple[str, ...]]:
     """Array of the stored type, with its unit and axes."""
     array = np.ascontiguousarray(value) if np.ndim(value) else np.asarray(value)
-    if "stored" in extra:
+    if extra.get("stored"):
         array = array.astype(extra["stored"], copy=False)
     if array.dtype.kind not in "biufc":
         raise TypeError(f"{owner}.{name} holds {array.dtype} values, which cannot be stored")

@@ -1,0 +1,141 @@
+"""Where a value of a table belongs in the model: its declared type, unit and choices."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, Protocol, get_args, get_origin, runtime_checkable
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from pipeline.annotations import item_hints
+
+
+@runtime_checkable
+class Choice(Protocol):
+    """Annotation of a field whose model is picked by name, such as ``OneOf``."""
+
+    package: str
+
+    def names(self) -> list[str]:
+        """Names on offer."""
+        ...
+
+    def load(self, name: str) -> type[BaseModel]:
+        """Model of a name."""
+        ...
+
+
+@dataclass(frozen=True)
+class Declared:
+    """Declaration of a value: its type, its unit (that of the field it is in) and its choice."""
+
+    hint: Any
+    unit: str = ""
+    description: str = ""
+    source: str = ""
+    choice: Choice | None = None
+
+    @classmethod
+    def of(cls, model: type[BaseModel], name: str) -> Declared | None:
+        """Declaration of the field of a model, ``None`` if it has no such field."""
+        info = model.model_fields.get(name)
+        return None if info is None else cls.of_field(info)
+
+    @classmethod
+    def of_field(cls, info: FieldInfo) -> Declared:
+        """Declaration of a model's field."""
+        extra = info.json_schema_extra
+        known: Mapping[str, Any] = extra if isinstance(extra, Mapping) else {}
+        return cls(
+            info.annotation,
+            unit=str(known.get("unit", "")),
+            description=info.description or "",
+            source=str(known.get("source", "")),
+            choice=_choice(info.metadata),
+        ).opened()
+
+    def opened(self) -> Declared:
+        """The same with ``Annotated`` taken off."""
+        hint = getattr(self.hint, "__value__", self.hint)
+        if get_origin(hint) is not Annotated:
+            return replace(self, hint=hint)
+        inner, *metadata = get_args(hint)
+        return replace(self, hint=inner, choice=_choice(metadata) or self.choice).opened()
+
+    def members(self) -> tuple[Declared, ...]:
+        """Members of a union, or the declaration itself."""
+        if get_origin(self.hint) in _UNIONS:
+            return tuple(
+                one
+                for hint in get_args(self.hint)
+                for one in replace(self, hint=hint).opened().members()
+            )
+        return (self,)
+
+    def item(self, place: int | str) -> Declared:
+        """Declaration of an item of a list or dict."""
+        return replace(self, hint=item_hints(self.hint, place), choice=None).opened()
+
+    def literals(self) -> list[Any]:
+        """Values on offer, if only certain ones are allowed."""
+        return [
+            value
+            for member in self.members()
+            if get_origin(member.hint) is Literal
+            for value in get_args(member.hint)
+        ]
+
+    def origins(self) -> list[Any]:
+        """Classes of the members: ``tuple`` for ``tuple[int, int]``."""
+        return list(dict.fromkeys(get_origin(m.hint) or m.hint for m in self.members()))
+
+    def models(self) -> list[type[BaseModel]]:
+        """Members that are models."""
+        return [
+            one for one in self.origins() if isinstance(one, type) and issubclass(one, BaseModel)
+        ]
+
+    def model(self, data: Any) -> type[BaseModel] | None:
+        """Model that a table is for; ``None`` if there is none or its name is not on offer."""
+        for member in self.members():
+            if member.choice is not None:
+                name = data if isinstance(data, str) else _name(data)
+                if isinstance(name, str) and name in member.choice.names():
+                    return member.choice.load(name)
+        if not isinstance(data, Mapping):
+            return None
+        fitting = [model for model in self.models() if _tags_fit(model, data)]
+        return max(
+            fitting or self.models(),
+            key=lambda model: len(model.model_fields.keys() & data.keys()),
+            default=None,
+        )
+
+
+def fields_of(model: type[BaseModel]) -> Iterator[tuple[str, Declared]]:
+    """Name and declaration of each field of a model."""
+    for name, info in model.model_fields.items():
+        yield name, Declared.of_field(info)
+
+
+def _choice(metadata: Sequence[Any]) -> Choice | None:
+    return next((item for item in metadata if isinstance(item, Choice)), None)
+
+
+def _name(data: Any) -> Any:
+    return data.get("name") if isinstance(data, Mapping) else None
+
+
+def _tags_fit(model: type[BaseModel], data: Mapping[str, Any]) -> bool:
+    """Whether the tags of a table (fields with certain values, such as ``kind``) are the model's."""
+    return all(
+        data[name] in allowed
+        for name, declared in fields_of(model)
+        if name in data and (allowed := declared.literals())
+    )
+
+
+_UNIONS = (typing.Union, type(int | str))

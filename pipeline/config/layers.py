@@ -1,0 +1,114 @@
+"""Tables of parameters: reading, merging, overriding."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import InputError
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Tables of a TOML file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is malformed; names file and line.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path} is not valid TOML: {error}") from error
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise InputError(f"{path} is not valid UTF-8 text (at line {line})") from error
+    except OSError as error:
+        raise InputError(f"cannot read the configuration {path}: {error.strerror}") from error
+
+
+def merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """One table from several; later values win.
+
+    Examples
+    --------
+    >>> merged([{"law": {"name": "a", "k": 1}, "n": 1}, {"law": {"name": "b"}}])
+    {'law': {'name': 'b'}, 'n': 1}
+    >>> merged([{"law": {"name": "a", "k": 1}}, {"law": {"k": 2}}])
+    {'law': {'name': 'a', 'k': 2}}
+    """
+    return reduce(_merge_tables, layers, {})
+
+
+def overridden(data: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
+    """Table with ``SECTION.KEY=VALUE`` strings applied, the last one winning.
+
+    Raises
+    ------
+    InputError
+        If a string is not of that form, or a place in a list does not exist.
+    """
+    layer: dict[str, Any] = {}
+    for override in overrides:
+        names, value = _parsed(override)
+        table = layer
+        for name in names[:-1]:
+            if not isinstance(table.get(name), dict):
+                table[name] = {}
+            table = table[name]
+        table[names[-1]] = value
+    return _merge_tables(data, layer)
+
+
+def _parsed(override: str) -> tuple[list[str], Any]:
+    key, equals, text = override.partition("=")
+    names = [name.strip() for name in key.split(".")]
+    if not equals or not all(names):
+        raise InputError(f"--set needs SECTION.KEY=VALUE, got {override!r}")
+    return names, _value(text.strip())
+
+
+def _value(text: str) -> Any:
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return table["value"] if len(table) == 1 else text
+
+
+def _merge_tables(
+    below: Mapping[str, Any], above: Mapping[str, Any], path: str = ""
+) -> dict[str, Any]:
+    result = dict(below)
+    for name, value in above.items():
+        place = f"{path}.{name}".lstrip(".")
+        result[name] = _merge(result[name], value, place) if name in result else value
+    return result
+
+
+def _merge(below: Any, above: Any, path: str) -> Any:
+    """``above`` laid over ``below``; a model may be given by its name alone, as a string."""
+    if isinstance(above, Mapping):
+        if isinstance(below, str) and "name" not in above:
+            below = {"name": below}
+        if isinstance(below, list | tuple) and above and all(key.isdigit() for key in above):
+            return _merge_items(below, above, path)
+        if isinstance(below, Mapping) and above.get("name", below.get("name")) == below.get("name"):
+            return _merge_tables(below, above, path)
+    elif isinstance(above, str) and isinstance(below, Mapping) and below.get("name") == above:
+        return below
+    return above
+
+
+def _merge_items(below: Sequence[Any], above: Mapping[str, Any], path: str) -> list[Any]:
+    result = list(below)
+    for key, value in above.items():
+        if int(key) >= len(result):
+            raise InputError(
+                f"{path}.{key}: there is no such item; {path} has {len(result)}, counted from 0"
+            )
+        result[int(key)] = _merge(result[int(key)], value, f"{path}.{key}")
+    return result

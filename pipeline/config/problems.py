@@ -1,0 +1,211 @@
+"""Validation errors in the user's words: field, value, what is allowed, the nearest valid name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, Literal
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from pipeline.config.fields import Declared, fields_of
+
+BOUNDS = {
+    "greater_than": ("gt", "greater than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+    "multiple_of": ("multiple_of", "a multiple of"),
+}
+
+KINDS = {
+    float: ("a number", "numbers"),
+    int: ("a whole number", "whole numbers"),
+    bool: ("true or false", "true or false"),
+    str: ("a text", "texts"),
+    type(None): ("nothing", "nothing"),
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an error lies: dotted name, declaration, and the model that the name is in."""
+
+    path: str
+    declared: Declared
+    owner: type[BaseModel] | None
+
+
+def told(
+    model: type[BaseModel], data: Any, error: ValidationError, known: Mapping[str, str]
+) -> list[str]:
+    """One line for each field that is wrong; ``known`` holds lines that are there already."""
+    found: dict[str, dict[str, None]] = {}
+    for item in map(_whole_list, error.errors(include_url=False)):
+        place = locate(model, data, item["loc"])
+        if place.path not in known:
+            found.setdefault(_head(place, item), {})[_words(place, item, model)] = None
+    return [*known.values(), *(f"{head}{' or '.join(words)}" for head, words in found.items())]
+
+
+def locate(model: type[BaseModel], data: Any, loc: Sequence[int | str]) -> Place:
+    """Follow an error's location; parts of it that are only members of a union are left out."""
+    names: list[str] = []
+    declared, owner = Declared(model), None
+    for i, step in enumerate(loc):
+        inner: Declared | None = declared.item(step)
+        if isinstance(step, str):
+            owner_now = declared.model(data) or next(iter(declared.models()), None)
+            named = isinstance(data, Mapping) and step in data
+            inner = (Declared.of(owner_now, step) if owner_now else None) or (
+                inner if named else None
+            )
+            if inner is None:
+                if tagged := _tagged(declared, step):
+                    declared = Declared(tagged)
+                if tagged or owner_now is None or i < len(loc) - 1:
+                    continue
+                inner = Declared(Any)
+            owner = owner_now
+        assert inner is not None
+        names.append(str(step))
+        declared, data = inner, _item(data, step)
+    return Place(".".join(names), declared, owner)
+
+
+def nearest(name: str, valid: Sequence[str]) -> str:
+    """``"; did you mean ...?"`` if a valid name is near, else nothing."""
+    near = get_close_matches(name, valid, n=1, cutoff=0.5)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def _head(place: Place, item: ErrorDetails) -> str:
+    kind, value = item["type"], item["input"]
+    if not place.path:
+        return ""
+    if kind == "unknown_name":
+        value = item["ctx"]["given"]
+    if kind == "missing" or isinstance(value, Mapping | BaseModel):
+        return f"{place.path}: "
+    return f"{place.path} = {_shown(value)}: "
+
+
+def _words(place: Place, item: ErrorDetails, root: type[BaseModel]) -> str:
+    kind, context = item["type"], item.get("ctx", {})
+    unit = f" {place.declared.unit}" if place.declared.unit else ""
+    if kind == "missing":
+        about = f" ({place.declared.description})" if place.declared.description else ""
+        return f"is missing; give {expected(place.declared)}{about}"
+    if kind == "extra_forbidden":
+        return _unknown_key(place, root)
+    if kind in BOUNDS:
+        name, words = BOUNDS[kind]
+        return f"must be {words} {context[name]:g}{unit}"
+    if kind == "unknown_name":  # a model picked by name
+        names = str(context["allowed"]).split(", ")
+        return f"choose one of: {', '.join(names)}{nearest(str(context['given']), names)}"
+    if kind == "literal_error":
+        return _one_of(place.declared.literals(), item["input"])
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        tags = str(context.get("expected_tags", "")).replace("'", "")
+        near = nearest(str(context.get("tag", "")), tags.split(", "))
+        name = str(context["discriminator"]).strip("'")
+        return f"{name} must be one of: {tags}{near}" if tags else f"needs {name}"
+    if kind == "finite_number":
+        return "must be a finite number"
+    if kind.endswith(("_type", "_parsing", "_from_float", "too_long", "too_short")):
+        return f"must be {expected(place.declared)}"
+    return item["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
+
+
+def expected(declared: Declared) -> str:
+    """What a declaration allows, in words.
+
+    Examples
+    --------
+    >>> expected(Declared(tuple[int, int]))
+    'a list of 2 whole numbers'
+    >>> expected(Declared(float, unit="mm"))
+    'a number in mm'
+    """
+    unit = f" in {declared.unit}" if declared.unit else ""
+    return " or ".join(dict.fromkeys(_kind(member, unit) for member in declared.members()))
+
+
+def _kind(member: Declared, unit: str) -> str:
+    origin = member.origins()[0]
+    if member.choice is not None:
+        return f"a table with a name, one of: {', '.join(member.choice.names())}"
+    if origin is Literal:
+        return f"one of: {', '.join(_shown(value) for value in member.literals())}"
+    if origin in KINDS:
+        return KINDS[origin][0] + (unit if origin in (int, float) else "")
+    if origin in (tuple, list):
+        length = _length(member)
+        item = member.item(0).origins()[0]
+        items = KINDS[item][1] if item in KINDS else "items"
+        return f"a list of {length}{items}{unit if item in (int, float) else ''}"
+    return "a table"
+
+
+def _length(member: Declared) -> str:
+    arguments = getattr(member.hint, "__args__", ())
+    fixed = member.origins()[0] is tuple and Ellipsis not in arguments
+    return f"{len(arguments)} " if fixed and arguments else ""
+
+
+def _one_of(allowed: Sequence[Any], given: Any) -> str:
+    near = nearest(str(given), [str(value) for value in allowed])
+    return f"must be one of: {', '.join(_shown(value) for value in allowed)}{near}"
+
+
+def _unknown_key(place: Place, root: type[BaseModel]) -> str:
+    section, _, name = place.path.rpartition(".")
+    valid = list(place.owner.model_fields) if place.owner is not None else []
+    elsewhere = [path for path in _all_names(root) if path.rpartition(".")[2] == name]
+    here = [f"{section}.{one}".lstrip(".") for one in valid]
+    near = f"; did you mean {elsewhere[0]!r}?" if elsewhere else nearest(place.path, here)
+    where = f"{section} has" if section else "there are"
+    return f"no such parameter{near} ({where}: {', '.join(valid)})"
+
+
+def _all_names(model: type[BaseModel], path: str = "") -> Iterator[str]:
+    for name, declared in fields_of(model):
+        inner = f"{path}.{name}".lstrip(".")
+        yield inner
+        if tuple not in declared.origins():
+            for section in declared.models():
+                yield from _all_names(section, inner)
+
+
+def _whole_list(item: ErrorDetails) -> ErrorDetails:
+    """A missing item of a list is an error of the list."""
+    if item["type"] == "missing" and isinstance(item["loc"][-1], int):
+        return {**item, "type": "too_short", "loc": item["loc"][:-1]}
+    return item
+
+
+def _tagged(declared: Declared, tag: str) -> type[BaseModel] | None:
+    """Member of a union that a tag, such as the value of ``kind``, stands for."""
+    for model in declared.models():
+        if any(tag in field.literals() for _, field in fields_of(model)):
+            return model
+    return None
+
+
+def _item(data: Any, step: int | str) -> Any:
+    try:
+        return data[step]
+    except (TypeError, LookupError):
+        return None
+
+
+def _shown(value: Any) -> str:
+    try:
+        text = json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError):
+        text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
