@@ -20,7 +20,7 @@ class GeneralStepper:
         self.problem, self.diffusion = problem, diffusion
         self.inside = operators.interior.astype(float)
         self.boundary = np.array([s.boundary / problem.conductivity for s in problem.sources])
-        self.applied = problem.applied()
+        self.applied = problem.applied(self.inside)
         self.interpolation = operators.values
 
     def diffusion_state(self, potential: Array) -> Array:

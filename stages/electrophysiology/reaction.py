@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple, cast
@@ -39,7 +40,7 @@ class Clock(NamedTuple):
 
 
 def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Callable[..., None]:
-    """Compiled advance of all cells over one time step.
+    """Compiled advance of all cells over one time step; compiled once per pair of models.
 
     The returned kernel ``advance(cells, new_potential, start, clock, cell, tension)`` works in place:
     it advances recovery and stress (eqs. 10, 11) from time ``start`` over one step with the potential
@@ -47,9 +48,19 @@ def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Callable
     only), writes I_ion/C_m at the new time, notes crossings of the threshold, and takes over the new
     potential. ``cell`` and ``tension`` are the constants of the two models.
     """
-    ionic_current = inlined(ionic_current_of(cell_model))
-    recovery_rate = inlined(sys.modules[type(cell_model).__module__].recovery_rate)
-    tension_rate = inlined(sys.modules[type(tension_law).__module__].tension_rate)
+    return _compile(
+        ionic_current_of(cell_model),
+        sys.modules[type(cell_model).__module__].recovery_rate,
+        sys.modules[type(tension_law).__module__].tension_rate,
+    )
+
+
+@functools.cache
+def _compile(
+    current: Callable[..., float], recovery: Callable[..., float], tensing: Callable[..., float]
+) -> Callable[..., None]:
+    ionic_current, recovery_rate = inlined(current), inlined(recovery)
+    tension_rate = inlined(tensing)
 
     @kernel
     def advance(

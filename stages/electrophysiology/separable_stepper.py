@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -38,7 +39,7 @@ class SeparableStepper:
         inside = operators.interior.astype(float)
         first, second = diffusion.first, diffusion.second
         self.shape = (first.to_points.shape[0], second.to_points.shape[0])
-        applied = (problem.applied() * inside).reshape(-1, *self.shape)
+        applied = problem.applied(inside).reshape(len(problem.sources), *self.shape)
         self.block = compile_block(problem.advance_cells)
         self.system = System(
             *map(
@@ -78,8 +79,9 @@ class SeparableStepper:
         state.steps += steps
 
 
+@functools.cache
 def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
-    """Compiled loop over time steps of :class:`SeparableStepper`."""
+    """Compiled loop over time steps of :class:`SeparableStepper`, once per pair of models."""
 
     @kernel
     def block(

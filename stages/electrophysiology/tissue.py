@@ -89,9 +89,13 @@ class Problem:
         columns = [source.amplitude(times) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps + 1, 0))
 
-    def applied(self) -> Array:
-        """I_app/C_m of each stimulus, mV/ms, shape ``(stimulus, point)``."""
-        return np.array([source.interior / self.capacitance for source in self.sources])
+    def applied(self, inside: Array) -> Array:
+        """I_app/C_m of each stimulus at interior points, mV/ms, shape ``(stimulus, point)``.
+
+        ``inside`` is 1 at interior points and 0 on the boundary, shape ``(point,)``.
+        """
+        rows = [inside * source.interior / self.capacitance for source in self.sources]
+        return np.array(rows).reshape(len(rows), inside.size)
 
 
 class Stepper(Protocol):

@@ -1,0 +1,93 @@
+"""Active stress arrives at the shell's points and times as the spline says, and is never guessed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stages.activation.config import TransferConfig
+from stages.activation.stage import activation
+from stages.activation.transfer import SurfaceTransfer, TimesOutsideHistoryError, resample
+from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface
+from stages.numerics.patches import Patch
+from stages.numerics.quadrature import quadrature_grid
+
+FILM = Patch.rectangle(3.5, 2.0)
+SURFACE = FILM.refine(2, (20, 12))
+SHELL = FILM.refine(2, (8, 4))
+
+
+def points_of(patch: Patch) -> np.ndarray:
+    return patch.evaluate(patch.first.greville(), patch.second.greville())
+
+
+def history_of(times: np.ndarray, frames: np.ndarray) -> ActivationHistory:
+    return ActivationHistory(times, frames, frames, np.full((frames.shape[1], 0), np.nan))
+
+
+def test_a_quadratic_field_is_transferred_exactly() -> None:
+    """Quadratic splines hold it, so collocation and evaluation change nothing but round-off."""
+
+    def field(points: np.ndarray) -> np.ndarray:
+        x, y = points[:, 0], points[:, 1]
+        return 1.0 + 2.0 * x - 3.0 * y + 0.5 * x * y + x**2 - 0.25 * (x * y) ** 2
+
+    grid = quadrature_grid(SHELL, 3)
+    transfer = SurfaceTransfer.between(SURFACE, grid.theta1, grid.theta2)
+    exact = field(SHELL.evaluate(grid.theta1, grid.theta2))
+    np.testing.assert_allclose(transfer(field(points_of(SURFACE))), exact, atol=1e-12)
+
+
+def test_a_smooth_field_converges_at_third_order() -> None:
+    grid = quadrature_grid(SHELL, 3)
+    errors = []
+    for elements in ((10, 6), (20, 12), (40, 24)):
+        surface = FILM.refine(2, elements)
+        x, y = points_of(surface)[:, :2].T
+        transfer = SurfaceTransfer.between(surface, grid.theta1, grid.theta2)
+        at = SHELL.evaluate(grid.theta1, grid.theta2)
+        exact = np.sin(2.0 * at[:, 0]) * np.cos(1.5 * at[:, 1])
+        errors.append(np.abs(transfer(np.sin(2.0 * x) * np.cos(1.5 * y)) - exact).max())
+    assert np.log2(errors[1] / errors[2]) > 2.8
+
+
+def test_frames_are_linear_in_time_between_two_and_exact_on_them() -> None:
+    times = np.array([0.0, 1.0, 2.0, 4.0])
+    frames = np.array([[0.0], [10.0], [20.0], [0.0]])
+    wanted = np.array([0.0, 0.25, 1.0, 3.0, 4.0])
+    found = [float(f[0]) for f in resample(times, wanted, frames.__getitem__)]
+    np.testing.assert_allclose(found, [0.0, 2.5, 10.0, 10.0, 0.0], rtol=1e-15)
+    assert found[2] == 10.0
+
+
+@pytest.mark.parametrize("wanted", [[-0.1, 1.0], [0.0, 4.1]])
+def test_times_outside_the_history_are_refused(wanted: list[float]) -> None:
+    frames = np.zeros((5, 1))
+    with pytest.raises(TimesOutsideHistoryError, match="ran from 0 to 4 ms only"):
+        list(resample(np.arange(5.0), np.array(wanted), frames.__getitem__))
+
+
+def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
+    times = np.arange(0.0, 21.0)
+    frames = times[:, None] * np.ones((1, SURFACE.size))
+    config = TransferConfig(scale=0.5, duration=20.0, n_steps=8, points=3)
+    samples = activation.compute(
+        config, history_of(times, frames), ExcitableSurface(SURFACE), MidSurface(SHELL)
+    )
+    np.testing.assert_allclose(samples.time, np.arange(9) * 2.5)
+    stress = np.asarray(samples.active_stress)
+    assert stress.shape == (9, 8 * 3 * 4 * 3)
+    exact = 0.5 * np.arange(9) * 2.5
+    np.testing.assert_allclose(stress, np.broadcast_to(exact[:, None], stress.shape), atol=1e-12)
+
+
+def test_a_shell_that_outlasts_the_cells_is_refused() -> None:
+    times = np.arange(0.0, 11.0)
+    config = TransferConfig(scale=1.0, duration=20.0, n_steps=8, points=3)
+    with pytest.raises(TimesOutsideHistoryError, match=r"from 0 to 20 ms.*from 0 to 10 ms only"):
+        activation.compute(
+            config,
+            history_of(times, np.zeros((11, SURFACE.size))),
+            ExcitableSurface(SURFACE),
+            MidSurface(SHELL),
+        )

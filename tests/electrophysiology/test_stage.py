@@ -1,0 +1,93 @@
+"""The stage: frames, activation times, and a stopped run that goes on as if nothing had happened."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stages.artefacts import ExcitableSurface
+from stages.electrophysiology.recording import Crossings, frame_blocks
+from stages.electrophysiology.stage import electrophysiology
+from stages.numerics.patches import Patch
+from tests.paper import S1, electrophysiology_config
+
+SURFACE = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(2, (24, 4)))
+
+
+def test_frames_fall_on_the_output_times() -> None:
+    config = electrophysiology_config(duration=6.0, n_steps=120, output_interval=0.5)
+    history = electrophysiology.compute(config, SURFACE)
+    np.testing.assert_allclose(history.time, np.arange(13) * 0.5, rtol=1e-14)
+    assert np.asarray(history.potential).shape == (13, SURFACE.patch.size)
+    np.testing.assert_array_equal(np.asarray(history.potential[0]), -80.0)
+
+
+def test_the_output_interval_does_not_change_the_solution() -> None:
+    """Frames shared by two runs are equal to the last bit, activation times too."""
+    config = electrophysiology_config(duration=12.0, n_steps=240)
+    fine = electrophysiology.compute(config, SURFACE)
+    coarse = electrophysiology.compute(config.model_copy(update={"output_interval": 6.0}), SURFACE)
+    np.testing.assert_array_equal(np.asarray(fine.potential)[::6], np.asarray(coarse.potential))
+    np.testing.assert_array_equal(fine.activation_times, coarse.activation_times)
+    assert np.isfinite(fine.activation_times).any()
+
+
+def test_activation_times_are_those_of_the_potential() -> None:
+    """Crossings noted while stepping equal crossings of densely stored frames."""
+    config = electrophysiology_config(duration=30.0, n_steps=600, output_interval=0.05)
+    history = electrophysiology.compute(config, SURFACE)
+    potential = np.asarray(history.potential, dtype=float)
+    for point in range(0, SURFACE.patch.size, 7):
+        v = potential[:, point]
+        rise = np.flatnonzero((v[:-1] < -30.0) & (v[1:] >= -30.0))
+        exact = (rise + (-30.0 - v[rise]) / (v[rise + 1] - v[rise])) * 0.05
+        found = history.activation_times[point]
+        # frames are float32: 4e-6 mV over a rise of 0.1 mV or more per step
+        np.testing.assert_allclose(found[np.isfinite(found)], exact, atol=1e-4)
+
+
+def test_the_wave_arrives_later_farther_from_the_stimulus() -> None:
+    config = electrophysiology_config(duration=60.0, n_steps=1200)
+    history = electrophysiology.compute(config, SURFACE)
+    first_beat = history.activation_times[:, 0].reshape(26, 6)
+    reached = np.isfinite(first_beat[:, 3])
+    assert reached.sum() > 6
+    assert np.all(np.diff(first_beat[reached, 3]) > 0)
+
+
+def test_blocks_add_up_to_a_frame_and_stay_short() -> None:
+    config = electrophysiology_config(duration=100.0, n_steps=1000, output_interval=100.0)
+    blocks = list(frame_blocks(config))
+    assert sum(blocks) == 1000
+    assert max(blocks) * config.step <= 5.0
+
+
+def test_events_become_a_table_of_beats() -> None:
+    crossings = Crossings(3)
+    for time, points in ((1.0, [1]), (2.0, [0, 1]), (3.0, [1])):
+        crossings.fresh()[points] = time
+        crossings.collect()
+    expected = [[2.0, np.nan, np.nan], [1.0, 2.0, 3.0], [np.nan] * 3]
+    np.testing.assert_array_equal(crossings.table(), expected)
+    resumed = Crossings(3)
+    resumed.restore(crossings.arrays())
+    np.testing.assert_array_equal(resumed.table(), crossings.table())
+
+
+def test_stimuli_may_be_named() -> None:
+    library = {"S1": S1, "S2": S1.model_copy(update={"start": 430.0})}
+    fields = electrophysiology_config().model_dump() | {
+        "cell_model": electrophysiology_config().cell_model,
+        "tension_law": electrophysiology_config().tension_law,
+        "stimulus_library": library,
+    }
+    for given in ("S1,S2", ["S1", "S2"], [library["S1"], "S2"]):
+        config = electrophysiology_config(**fields | {"stimuli": given})
+        assert [s.start for s in config.stimuli] == [0.0, 430.0]
+    with pytest.raises(ValueError, match=r"no stimulus is called 'S11'.*did you mean 'S1'"):
+        electrophysiology_config(**fields | {"stimuli": "S11"})
+
+
+def test_frames_between_time_steps_are_refused() -> None:
+    with pytest.raises(ValueError, match="whole number of time steps"):
+        electrophysiology_config(output_interval=0.07)

@@ -1,0 +1,64 @@
+"""The film: surfaces where they belong, layers in order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
+from stages.geometry.stage import geometry
+
+FILM = FilmConfig(
+    length=3.5, width=2.0, substrate_thickness=0.018, active_thickness=0.004, fibre_angle=45.0
+)
+
+
+def config(**film: float) -> GeometryStageConfig:
+    return GeometryStageConfig(
+        film=FILM.model_copy(update=film),
+        excitable_mesh=MeshConfig(elements=(102, 60), degree=2),
+        shell_mesh=MeshConfig(elements=(50, 10), degree=2),
+    )
+
+
+def test_the_meshes_have_the_papers_sizes() -> None:
+    made = geometry.compute(config())
+    assert made.excitable_surface.patch.size == 104 * 62
+    assert made.mid_surface.patch.size == 52 * 12
+
+
+def test_the_active_layer_lies_above_the_mid_surface() -> None:
+    """Its mid-surface is (d - d_a)/2 = 9 um above that of the shell (eq. 13)."""
+    made = geometry.compute(config())
+    centre = made.excitable_surface.patch.evaluate([0.5], [0.5])
+    np.testing.assert_allclose(centre, [[1.75, 1.0, 0.009]], atol=1e-15)
+    np.testing.assert_allclose(
+        made.mid_surface.patch.evaluate([0.5], [0.5]), [[1.75, 1.0, 0.0]], atol=1e-15
+    )
+
+
+def test_equal_parameters_mean_equal_points_on_both_meshes() -> None:
+    made = geometry.compute(config())
+    theta = np.linspace(0, 1, 11)
+    upper = made.excitable_surface.patch.evaluate(theta, theta)
+    lower = made.mid_surface.patch.evaluate(theta, theta)
+    np.testing.assert_allclose(upper - lower, [[0.0, 0.0, 0.009]] * 121, atol=1e-14)
+
+
+def test_layers_run_from_the_bottom_to_the_top() -> None:
+    layers = geometry.compute(config()).laminate.layers
+    assert [layer.name for layer in layers] == ["substrate", "active"]
+    assert [layer.active for layer in layers] == [False, True]
+    assert sum(layer.thickness for layer in layers) == pytest.approx(0.022)
+
+
+@pytest.mark.parametrize("field", ["length", "width", "substrate_thickness", "active_thickness"])
+def test_a_film_without_extent_is_refused(field: str) -> None:
+    with pytest.raises(ValidationError, match="greater than 0"):
+        FilmConfig(**FILM.model_dump() | {field: -0.004})
+
+
+def test_degree_one_is_refused() -> None:
+    with pytest.raises(ValidationError, match="greater than or equal to 2"):
+        MeshConfig(elements=(10, 10), degree=1)
