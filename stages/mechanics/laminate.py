@@ -1,0 +1,117 @@
+"""Quadrature through the layers: reference metric and fibres at every depth (eqs. 18, 34-39)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.artefacts import Laminate, Layer
+from stages.mechanics.kinematics import Frames
+from stages.mechanics.materials.base import Material
+from stages.numerics.bsplines import Array
+from stages.numerics.quadrature import gauss
+
+
+@dataclass(frozen=True)
+class LayerPoints:
+    """Quadrature points of one layer.
+
+    Attributes
+    ----------
+    layer
+        The layer, with its name.
+    material
+        Its material.
+    depth, weights
+        theta3 and weight of each point through the layer, mm, shape ``(depth,)``.
+    reference
+        G^11 G^22 G^12, 1/det G_ab, f0^a f0^b (11, 22, 12): the fields of
+        :class:`~stages.mechanics.material_point.PlaneReference`, shape ``(point, depth, 7)``.
+    """
+
+    layer: Layer
+    material: Material
+    depth: Array
+    weights: Array
+    reference: Array
+
+
+def points_through(
+    laminate: Laminate, materials: Mapping[str, Material], reference: Frames, points: int
+) -> tuple[LayerPoints, ...]:
+    """Gauss points of every layer, bottom to top, over the undeformed mid-surface.
+
+    Parameters
+    ----------
+    laminate
+        Layers from theta3 = -d/2 to d/2.
+    materials
+        Material of each layer, by the layer's name.
+    reference
+        Frames of the undeformed mid-surface.
+    points
+        Gauss points through each layer.
+
+    Raises
+    ------
+    ValueError
+        If a layer has no material, no thickness, or fibres along the normal.
+    """
+    if not laminate.layers:
+        raise ValueError("the laminate has no layers: give at least one")
+    faces = np.cumsum([0.0, *(layer.thickness for layer in laminate.layers)])
+    faces -= 0.5 * laminate.thickness
+    layers = []
+    for layer, bottom, top in zip(laminate.layers, faces[:-1], faces[1:], strict=True):
+        if layer.thickness <= 0:
+            raise ValueError(f"layer {layer.name!r} has thickness {layer.thickness:g} mm: not > 0")
+        if layer.name not in materials:
+            raise ValueError(
+                f"no material for layer {layer.name!r}; there are materials for: "
+                f"{', '.join(sorted(materials)) or 'none'}"
+            )
+        depth, weights = gauss(points, bottom, top)
+        fibre = fibre_direction(layer, reference)
+        table = np.stack([_at_depth(reference, fibre, z) for z in depth], axis=1)
+        layers.append(LayerPoints(layer, materials[layer.name], depth, weights, table))
+    return tuple(layers)
+
+
+def fibre_direction(layer: Layer, reference: Frames) -> Array:
+    """f0: the direction at ``fibre_angle`` from X in the X-Y plane, projected on the film, unit.
+
+    Raises
+    ------
+    ValueError
+        If the fibres would stand normal to the film somewhere.
+    """
+    angle = np.deg2rad(layer.fibre_angle)
+    straight = np.array([np.cos(angle), np.sin(angle), 0.0])
+    projected = straight - (reference.normal @ straight)[:, None] * reference.normal
+    length = np.linalg.norm(projected, axis=1)
+    if np.any(length < 1e-6):
+        raise ValueError(
+            f"the fibres of layer {layer.name!r} at {layer.fibre_angle:g} degrees stand normal to "
+            f"the film: choose an angle that has a direction in its tangent plane"
+        )
+    return np.asarray(projected / length[:, None])
+
+
+def surface_density(layers: tuple[LayerPoints, ...]) -> float:
+    """rho = sum rho_k d_k, mg/mm^2 (eq. 104)."""
+    return float(sum(points.material.density * points.layer.thickness for points in layers))
+
+
+def _at_depth(reference: Frames, fibre: Array, depth: float) -> Array:
+    """PlaneReference at theta3 = ``depth``: g_a = a_a + theta3 a_3,a with a_3,a = -b_ac a^c."""
+    b11, b22, b12 = reference.curvature.T
+    b = np.stack((np.stack((b11, b12), -1), np.stack((b12, b22), -1)), 1)
+    g = reference.tangents - depth * np.einsum("pac,pcx->pax", b, reference.dual)
+    g11, g22, g12 = (np.einsum("px,px->p", g[:, i], g[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
+    inverse = 1.0 / (g11 * g22 - g12 * g12)
+    con11, con22, con12 = g22 * inverse, g11 * inverse, -g12 * inverse
+    f1, f2 = (np.einsum("px,px->p", fibre, g[:, a]) for a in range(2))
+    up1, up2 = con11 * f1 + con12 * f2, con12 * f1 + con22 * f2
+    return np.stack((con11, con22, con12, inverse, up1 * up1, up2 * up2, up1 * up2), axis=1)

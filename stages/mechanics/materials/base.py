@@ -1,0 +1,47 @@
+"""What a material is (eqs. 36, 88, 91): an incompressible free energy of three invariants."""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
+
+from stages.configuration import Section, quantity
+
+Gradient: TypeAlias = tuple[float, float, float]
+"""(psi_1, psi_2, psi_4): derivatives of psi with respect to I1, I2 and I4, kPa."""
+
+Hessian: TypeAlias = tuple[float, float, float, float, float, float]
+"""(psi_11, psi_12, psi_14, psi_22, psi_24, psi_44), kPa."""
+
+
+class Material(Section):
+    """Parameters of an incompressible material; its law is three plain functions beside the class.
+
+    A material file holds a subclass of this, names it in ``MODEL``, and defines at module level
+
+    - ``energy(i1, i2, i4, p) -> float``: psi, kPa;
+    - ``gradient(i1, i2, i4, p) -> Gradient``;
+    - ``hessian(i1, i2, i4, p) -> Hessian``;
+
+    where I1 = tr C, I2 = (I1^2 - tr C^2)/2, I4 = f0 . C f0 is the squared fibre stretch, and ``p`` is
+    the named tuple that ``constants()`` returns. They are scalar Python; the solver compiles them and
+    eliminates the thickness strain (``stages.mechanics.plane_stress``). Use
+    ``stages.numerics.elementary.exp`` for exponentials. At rest (3, 3, 1) the stress has to vanish:
+    the part in I1 and I2 does so by incompressibility, psi_4 has to be zero there.
+    """
+
+    name: str
+    density: float = quantity("mg/mm^3", "mass density", "Table 1, eq. 104", gt=0)
+
+    def constants(self) -> NamedTuple:
+        """Parameters as the law reads them."""
+        raise TypeError(f"{type(self).__name__} does not say its constants")
+
+
+class MaterialLaw(Protocol):
+    """The functions of a material's module."""
+
+    MODEL: ClassVar[type[Material]]
+
+    def energy(self, i1: float, i2: float, i4: float, p: NamedTuple) -> float: ...
+    def gradient(self, i1: float, i2: float, i4: float, p: NamedTuple) -> Gradient: ...
+    def hessian(self, i1: float, i2: float, i4: float, p: NamedTuple) -> Hessian: ...
