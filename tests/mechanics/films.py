@@ -1,0 +1,72 @@
+"""Small films for the tests: flat, curved, and with the paper's materials (Table 1)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stages.artefacts import Laminate, Layer
+from stages.mechanics.materials.base import Material
+from stages.mechanics.materials.neo_hookean import NeoHookean
+from stages.mechanics.materials.neo_hookean_fibre import NeoHookeanFibre
+from stages.mechanics.shell import Shell, build_shell
+from stages.numerics.bsplines import Array, SplineSpace
+from stages.numerics.patches import Patch
+
+PDMS = NeoHookean(density=0.965, shear_modulus=500.0)
+MUSCLE = NeoHookeanFibre(
+    density=0.965, shear_modulus=0.767, fibre_stiffness=21.0, fibre_exponent=5.5
+)
+MATERIALS: dict[str, Material] = {"substrate": PDMS, "active": MUSCLE}
+
+
+def two_layers(angle: float = 45.0, substrate: float = 0.018, active: float = 0.004) -> Laminate:
+    """The film of the paper."""
+    return Laminate(
+        (
+            Layer("substrate", substrate, angle, active=False),
+            Layer("active", active, angle, active=True),
+        )
+    )
+
+
+def flat(
+    elements: tuple[int, int] = (8, 3), degree: int = 2, length: float = 3.5, width: float = 2.0
+) -> Patch:
+    """Rectangle with equal spans."""
+    return Patch.rectangle(length, width).refine(degree, elements)
+
+
+def uneven(degree: int = 2) -> Patch:
+    """Rectangle 3.5 x 2 whose knot spans have different lengths in both directions."""
+    line = Patch.rectangle(3.5, 2.0)
+    first = line.first.elevate(degree - 1).insert(np.array([0.13, 0.31, 0.72]))
+    second = line.second.elevate(degree - 1).insert(np.array([0.4]))
+    embed = line.first.embed(first), line.second.embed(second)
+    net = np.einsum("ai,bj,ijx->abx", *embed, line.control_points)
+    return Patch(first, second, net)
+
+
+def arched(elements: tuple[int, int] = (4, 3), degree: int = 2, height: float = 0.6) -> Patch:
+    """Doubly curved film: the rectangle lifted to a bulge, with a twist."""
+    spaces = tuple(SplineSpace.uniform(degree, n) for n in elements)
+    x, y = np.meshgrid(*(space.greville() for space in spaces), indexing="ij")
+    z = height * x * (1.0 - x) + 0.3 * height * (y - 0.5) ** 2 + 0.2 * height * x * y
+    return Patch(*spaces, np.stack((3.5 * x, 2.0 * y, z), axis=-1))
+
+
+def shell(patch: Patch, laminate: Laminate | None = None, **options: int) -> Shell:
+    """Shell of the paper's materials."""
+    return build_shell(patch, laminate or two_layers(), MATERIALS, **options)
+
+
+def random_state(body: Shell, seed: int, size: float = 0.05) -> tuple[Array, Array]:
+    """A strongly deformed state and a rough activation between 0 and 15 kPa."""
+    random = np.random.default_rng(seed)
+    return size * random.normal(size=body.size), random.uniform(0.0, 15.0, size=body.points)
+
+
+def rotation(seed: int = 0) -> Array:
+    """A large random rotation."""
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    q = q * np.sign(np.diagonal(r))
+    return q if np.linalg.det(q) > 0 else -q

@@ -1,0 +1,123 @@
+"""Plain NumPy twin of the compiled shell kernels: the equations as einsum, points first."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from stages.mechanics.shell import Shell
+from stages.numerics.bsplines import Array
+from stages.numerics.patches import Patch
+from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
+
+ORDERS = {(1,): (1, 0), (2,): (0, 1), (1, 1): (2, 0), (2, 2): (0, 2), (1, 2): (1, 1)}
+
+
+def respond(body: Shell, displacement: Array, activation: Array) -> tuple[Array, Array, float]:
+    """Internal force (dof,), dense tangent (dof, dof) and passive energy (eqs. 24-51)."""
+    patch = body.patch
+    moved = patch.control_points + displacement.reshape(patch.control_points.shape)
+    grid = quadrature_grid(patch, body.basis.points)
+    reference = frame_on_grid(patch, grid.theta1, grid.theta2)
+    current = frame_on_grid(
+        Patch(patch.first, patch.second, moved), grid.theta1, grid.theta2
+    )
+    weights = (grid.weights1[:, None] * grid.weights2).ravel() * reference.area
+
+    eps = 0.5 * (current.metric_cov - reference.metric_cov)
+    kap = reference.curvature - current.curvature
+    n, m = np.zeros_like(eps), np.zeros_like(eps)
+    c0, c1, c2 = (np.zeros((*eps.shape, 2, 2)) for _ in range(3))
+    energy = 0.0
+    for points in body.layers:
+        sigma = activation if points.layer.active else np.zeros_like(activation)
+        for z, w in zip(points.depth, points.weights, strict=True):
+            psi, s, c = _point(points, reference, eps + z * kap, sigma, z)
+            n, m = n + w * s, m + w * z * s
+            c0, c1, c2 = c0 + w * c, c1 + w * z * c, c2 + w * z**2 * c
+            energy += float(weights @ psi) * w
+
+    b1 = _values(patch, grid, (1, 0)), _values(patch, grid, (0, 1))
+    first = np.stack(b1, axis=1)  # (point, a, node)
+    second = np.stack(
+        [
+            np.stack([_values(patch, grid, o) for o in row], axis=1)
+            for row in (((2, 0), (1, 1)), ((1, 1), (0, 2)))
+        ],
+        axis=1,
+    )
+    h = second - np.einsum("pcab,pci->pabi", current.christoffel, first)
+    d_eps = 0.5 * (
+        np.einsum("pai,pbx->pabix", first, current.tangents)
+        + np.einsum("pbi,pax->pabix", first, current.tangents)
+    )
+    d_kap = -np.einsum("pabi,px->pabix", h, current.normal)
+
+    force = np.einsum("p,pab,pabix->ix", weights, n, d_eps)
+    force += np.einsum("p,pab,pabix->ix", weights, m, d_kap)
+
+    dn = np.einsum("pabcd,pcdix->pabix", c0, d_eps) + np.einsum("pabcd,pcdix->pabix", c1, d_kap)
+    dm = np.einsum("pabcd,pcdix->pabix", c1, d_eps) + np.einsum("pabcd,pcdix->pabix", c2, d_kap)
+    k = np.einsum("p,pabix,pabjy->ixjy", weights, d_eps, dn, optimize=True)
+    k += np.einsum("p,pabix,pabjy->ixjy", weights, d_kap, dm, optimize=True)
+    k += np.einsum("p,pab,pai,pbj,xy->ixjy", weights, n, first, first, np.eye(3), optimize=True)
+    k += _moment_part(current, weights, m, h, first)
+    size = patch.size * 3
+    return force.ravel(), k.reshape(size, size), energy
+
+
+def _moment_part(current: SurfaceFrame, weights: Array, m: Array, h: Array, first: Array) -> Array:
+    """m : D[delta kappa]."""
+    moment = np.einsum("pab,pabi->pi", m, h)
+    mb = np.einsum("pab,pab->p", m, current.curvature)
+    operands = weights, moment, first, current.dual, current.normal
+    k = np.einsum("p,pi,pdj,pdx,py->ixjy", *operands, optimize=True)
+    k = k + k.transpose(2, 3, 0, 1)
+    k += np.einsum(
+        "p,p,pcd,pci,pdj,px,py->ixjy",
+        *(weights, mb, current.metric_con, first, first, current.normal, current.normal),
+        optimize=True,
+    )
+    return k
+
+
+def _values(patch: Patch, grid: object, order: tuple[int, int]) -> Array:
+    n1 = patch.first.evaluate(grid.theta1, order[0])  # type: ignore[attr-defined]
+    n2 = patch.second.evaluate(grid.theta2, order[1])  # type: ignore[attr-defined]
+    return np.einsum("ai,bj->abij", n1, n2).reshape(n1.shape[0] * n2.shape[0], -1)
+
+
+def _point(
+    points: object, reference: SurfaceFrame, strain: Array, sigma: Array, z: float
+) -> tuple[Array, Array, Array]:
+    """psi, S^ab and C^abcd from C = G + 2 E directly, for laws psi(I1, I4) with psi_11 = 0."""
+    layer, material = points.layer, points.material  # type: ignore[attr-defined]
+    law, p = sys.modules[type(material).__module__], material.constants()
+    g = reference.tangents + z * reference.normal_derivatives
+    metric = np.einsum("pax,pbx->pab", g, g)
+    con = np.linalg.inv(metric)
+    c = metric + 2.0 * strain
+    inverse = np.linalg.inv(c)
+    j = np.linalg.det(c) / np.linalg.det(metric)
+    angle = np.deg2rad(layer.fibre_angle)
+    f = np.array([np.cos(angle), np.sin(angle), 0.0])
+    f = f - (reference.normal @ f)[:, None] * reference.normal
+    f /= np.linalg.norm(f, axis=1)[:, None]
+    up = np.einsum("pab,pbx,px->pa", con, g, f)
+    ff = np.einsum("pa,pb->pab", up, up)
+    i1 = np.einsum("pab,pab->p", con, c) + 1.0 / j
+    i4 = np.einsum("pab,pab->p", ff, c)
+    psi = np.array([law.energy(a, 0.0, b, p) for a, b in zip(i1, i4, strict=True)])
+    psi_1 = law.gradient(3.0, 3.0, 1.0, p)[0]
+    psi_4 = np.array([law.gradient(3.0, 3.0, b, p)[2] for b in i4])
+    psi_44 = np.array([law.hessian(3.0, 3.0, b, p)[5] for b in i4])
+    s = 2 * psi_1 * (con - inverse / j[:, None, None])
+    s += (2 * psi_4 + sigma / i4)[:, None, None] * ff
+    swap = np.einsum("pac,pbd->pabcd", inverse, inverse)
+    swap = swap + np.einsum("pad,pbc->pabcd", inverse, inverse)
+    bulk = 2 * np.einsum("pab,pcd->pabcd", inverse, inverse) + swap
+    tangent = 2 * psi_1 * bulk / j[:, None, None, None, None]
+    fibre = 4 * psi_44 - 2 * sigma / i4**2
+    return psi, s, tangent + np.einsum("p,pab,pcd->pabcd", fibre, ff, ff)
