@@ -1,0 +1,89 @@
+"""A cell model or tension law is one file, found by its name; nothing else has to change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from stages.artefacts import ExcitableSurface
+from stages.electrophysiology import cell_models, tension_laws
+from stages.electrophysiology.stage import electrophysiology
+from stages.numerics.patches import Patch
+from tests.paper import electrophysiology_config
+
+PASSIVE = '''"""Leaky membrane: I_ion = (v - v_rest) / tau."""
+from typing import Literal, NamedTuple
+from stages.configuration import quantity
+from stages.electrophysiology.cell_models.base import CellModel
+
+class Constants(NamedTuple):
+    tau: float
+
+class Leak(CellModel):
+    name: Literal["leak"] = "leak"
+    tau: float = quantity("ms", "time constant", "test", gt=0)
+    def constants(self): return Constants(self.tau)
+    def resting_recovery(self): return 0.0
+
+def ionic_current(v, w, p): return (v + 80.0) / p.tau
+def recovery_rate(v, w, p): return 0.0 * w
+MODEL = Leak
+'''
+
+FOLLOWER = '''"""Stress that follows the potential at one rate."""
+from typing import Literal, NamedTuple
+from stages.configuration import quantity
+from stages.electrophysiology.tension_laws.base import TensionLaw
+
+class Constants(NamedTuple):
+    rate: float
+
+class Follower(TensionLaw):
+    name: Literal["follower"] = "follower"
+    rate: float = quantity("1/ms", "rate", "test", gt=0)
+    def constants(self): return Constants(self.rate)
+
+def tension_rate(v, w, sigma, p): return p.rate * (0.1 * (v + 80.0) - sigma)
+MODEL = Follower
+'''
+
+
+@pytest.fixture
+def new_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "leak.py").write_text(PASSIVE)
+    (tmp_path / "follower.py").write_text(FOLLOWER)
+    monkeypatch.setattr(cell_models, "__path__", [*cell_models.__path__, str(tmp_path)])
+    monkeypatch.setattr(tension_laws, "__path__", [*tension_laws.__path__, str(tmp_path)])
+
+
+@pytest.mark.usefixtures("new_models")
+def test_a_new_file_is_a_new_model() -> None:
+    """A uniform leak and follower have closed forms: v = v0 exp(-t/tau) above rest."""
+    config = electrophysiology_config(
+        cell_model={"name": "leak", "tau": 20.0},
+        tension_law={"name": "follower", "rate": 0.3},
+        stimuli=(),
+        initial_potential=-30.0,
+        n_steps=2000,
+    )
+    surface = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(2, (6, 4)))
+    history = electrophysiology.compute(config, surface)
+    above_rest = np.asarray(history.potential[-1], dtype=float) + 80.0
+    # AB2 at dt = 0.005 ms: relative error about (dt/tau)^2; frames are float32
+    np.testing.assert_allclose(above_rest, 50.0 * np.exp(-10.0 / 20.0), rtol=1e-6)
+    rate, tau = 0.3, 20.0
+    stress = 5.0 * rate / (rate - 1 / tau) * (np.exp(-10.0 / tau) - np.exp(-rate * 10.0))
+    np.testing.assert_allclose(np.asarray(history.active_stress[-1]), stress, rtol=1e-6)
+
+
+def test_an_unknown_model_is_refused_with_the_valid_names() -> None:
+    with pytest.raises(ValidationError, match=r"'aliev-panfilof'.*aliev-panfilov"):
+        electrophysiology_config(cell_model={"name": "aliev-panfilof"})
+
+
+def test_a_model_without_its_parameters_is_refused() -> None:
+    with pytest.raises(ValidationError, match="zeta_inf"):
+        electrophysiology_config(tension_law={"name": "goektepe-kuhl"})
