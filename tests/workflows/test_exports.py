@@ -1,0 +1,123 @@
+"""Files written from results: tables, ParaView series, and how they replace older ones."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.workflows.synthetic import synthetic_experiment
+from workflows.experiment import Experiment
+from workflows.exports import paraview, probes
+from workflows.exports.files import replacing
+from workflows.exports.sampling import FilmGrid, Frames
+
+
+@pytest.fixture(scope="module")
+def experiment() -> Experiment:
+    return synthetic_experiment(starts=(0.0,), duration=300.0, elements=(12, 4), cells=(40, 6))
+
+
+def test_the_probe_table_has_the_agreed_columns(experiment: Experiment, tmp_path: Path) -> None:
+    probes.write(experiment, tmp_path)
+    rows = list(csv.reader((tmp_path / "probes.csv").open()))
+    expected = ["time [ms]"]
+    for name in "ABC":
+        expected += [f"{name}.{axis} [mm]" for axis in ("ux", "uy", "uz")]
+        expected += [f"{name}.active_stress [kPa]", f"{name}.potential [mV]"]
+    assert rows[0] == expected
+    table = np.array(rows[1:], dtype=float)
+    measures = experiment.measures
+    # Ten digits are written.
+    np.testing.assert_allclose(table[:, 0], measures.time, rtol=1e-9)
+    np.testing.assert_allclose(table[:, 6:9], measures.displacement[:, 1], rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(table[:, 4], measures.active_stress[:, 0], rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(table[:, 15], measures.potential[:, 2], rtol=1e-9)
+
+
+def test_the_paraview_series_holds_every_frame(experiment: Experiment, tmp_path: Path) -> None:
+    paraview.write(experiment, tmp_path)
+    deformation, measures = experiment.deformation, experiment.measures
+    with h5py.File(tmp_path / "film.vtkhdf") as file:
+        root = file["VTKHDF"]
+        assert root.attrs["Type"] == b"UnstructuredGrid"
+        steps = root["Steps"]
+        assert steps.attrs["NSteps"] == deformation.time.size
+        np.testing.assert_array_equal(steps["Values"], deformation.time)
+        n = int(root["NumberOfPoints"][0])
+        assert n == 25 * 15  # 24 cells of 0.146 mm along X, 14 of the same size across 2 mm
+        assert root["Points"].shape == (n * deformation.time.size, 3)
+        assert int(root["Connectivity"][...].max()) == n - 1
+        assert set(root["PointData"]) == {"displacement", "potential", "active_stress"}
+        frame = 40
+        first = int(steps["PointOffsets"][frame])
+        assert int(steps["PointDataOffsets/potential"][frame]) == first == frame * n
+        tip = first + 24 * 15 + 7  # X = L1, Y = 1: probe B
+        # Single precision.
+        moved = measures.probe_points[1] + measures.displacement[frame, 1]
+        np.testing.assert_allclose(root["Points"][tip], moved, rtol=1e-6)
+        shown = root["PointData/potential"][tip]
+        np.testing.assert_allclose(shown, measures.potential[frame, 1], rtol=1e-6)
+
+
+def test_the_paraview_file_is_the_same_every_time(experiment: Experiment, tmp_path: Path) -> None:
+    (tmp_path / "again").mkdir()
+    for folder in (tmp_path, tmp_path / "again"):
+        paraview.write(experiment, folder)
+    first, second = (tmp_path / part / "film.vtkhdf" for part in ("", "again"))
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_cells_turn_counter_clockwise_seen_from_above(experiment: Experiment) -> None:
+    grid = FilmGrid.square(experiment, 24)
+    x, y = grid.reference.reshape(-1, 3)[:, :2].T
+    corners = paraview.quads(grid.shape)
+    ahead = np.roll(corners, -1, axis=1)
+    area = 0.5 * (x[corners] * y[ahead] - x[ahead] * y[corners]).sum(axis=1)
+    assert (area > 0).all()
+    assert area.sum() == pytest.approx(7.0, rel=1e-12)
+
+
+def test_fields_of_both_meshes_are_sampled_at_the_same_material_points(
+    experiment: Experiment,
+) -> None:
+    grid = FilmGrid.square(experiment, 14)
+    patch = experiment.geometry.excitable_surface.patch
+    places = patch.evaluate(*(space.greville() for space in patch.spaces))
+    # X at the collocation points, sampled as a field, is X of the film: both are in their spaces.
+    np.testing.assert_allclose(grid.cell_field(places[:, 0]), grid.reference[..., 0], atol=1e-13)
+
+
+def test_frames_between_stored_ones_are_linear_and_each_block_is_read_once() -> None:
+    class Counted:
+        reads = 0
+
+        def __getitem__(self, part: slice) -> np.ndarray:
+            Counted.reads += 1
+            return np.arange(200.0)[part, None]
+
+    frames = Frames(Counted(), 0.5 * np.arange(200.0))  # type: ignore[arg-type]  # like zarr
+    assert [float(frames.at(t)[0]) for t in (0.0, 0.25, 10.0, 30.0)] == [0.0, 0.5, 20.0, 60.0]
+    assert Counted.reads == 1
+    assert float(frames.at(31.75)[0]) == 63.5  # between two blocks
+    assert Counted.reads == 2
+    assert float(frames.at(99.5)[0]) == 199.0
+    assert float(frames.at(99.5 + 1e-12)[0]) == 199.0
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text("old")
+
+    def fail() -> None:
+        with replacing(path) as temporary:
+            temporary.write_text("half of the ne")
+            raise RuntimeError("disk full")
+
+    with pytest.raises(RuntimeError):
+        fail()
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]

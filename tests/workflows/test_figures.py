@@ -1,0 +1,52 @@
+"""Figures: written in both formats, the same bytes every time, for long and short runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.workflows.synthetic import synthetic_experiment
+from workflows.experiment import Experiment
+from workflows.figures import snapshots, traces
+
+
+@pytest.fixture(scope="module")
+def experiment() -> Experiment:
+    return synthetic_experiment(starts=(0.0,), duration=60.0, elements=(8, 3), cells=(20, 5))
+
+
+def test_the_figures_are_the_same_bytes_every_time(experiment: Experiment, tmp_path: Path) -> None:
+    names = [f"{figure}.{kind}" for figure in ("fig8", "fig9") for kind in ("png", "svg")]
+    written = []
+    for _ in range(2):
+        snapshots.write(experiment, tmp_path)
+        traces.write(experiment, tmp_path)
+        written.append([(tmp_path / name).read_bytes() for name in names])
+    assert written[0] == written[1]
+    assert all(data.startswith(b"\x89PNG") for data in written[0][::2])
+    assert all(b"</svg>" in data for data in written[0][1::2])
+
+
+def test_several_runs_are_named_in_the_figure(experiment: Experiment, tmp_path: Path) -> None:
+    measures = experiment.measures
+    traces.draw({"S1 and S2": measures, "S1 alone": measures}, tmp_path)
+    both = (tmp_path / "fig9.svg").read_text()
+    traces.draw({"": measures}, tmp_path)
+    one = (tmp_path / "fig9.svg").read_text()
+    assert "<!-- S1 alone -->" in both
+    assert "<!-- S1 alone -->" not in one
+
+
+def test_the_papers_times_are_shown_when_the_run_covers_them() -> None:
+    assert snapshots.snapshot_times(875.0) == (0.0, 100.0, 435.0, 575.0, 775.0, 875.0)
+    assert snapshots.snapshot_times(874.0)[-1] == 874.0
+
+
+def test_probes_of_any_name_can_be_drawn(tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    experiment = synthetic_experiment((0.0,), 20.0, (6, 2), (8, 3))
+    renamed = replace(experiment.measures, probe_names=("left", "middle", "right"))
+    traces.draw({"": renamed}, tmp_path)
+    assert "<!-- left: X" in (tmp_path / "fig9.svg").read_text()

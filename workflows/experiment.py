@@ -1,0 +1,47 @@
+"""The records of one run, loaded when an export asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stages.artefacts import ActivationHistory, Deformation, FilmGeometry, Measures
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Results of the stages by name; histories stay on disk and are read frame by frame.
+
+    Attributes
+    ----------
+    load
+        Gives the record of a stage, by the stage's name.
+    """
+
+    load: Callable[[str], Any]
+
+    @cached_property
+    def geometry(self) -> FilmGeometry:
+        """Surfaces and lay-up of the film."""
+        return self._record("geometry")
+
+    @cached_property
+    def history(self) -> ActivationHistory:
+        """Potential and active stress over time."""
+        return self._record("electrophysiology")
+
+    @cached_property
+    def deformation(self) -> Deformation:
+        """Motion of the shell over time."""
+        return self._record("mechanics")
+
+    @cached_property
+    def measures(self) -> Measures:
+        """Probe series, curvature and beats."""
+        return self._record("postprocessing")
+
+    def _record(self, stage: str) -> Any:
+        return self.load(stage)

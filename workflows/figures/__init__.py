@@ -1,0 +1,1 @@
+"""Pictures of an experiment in the layout of the paper's figures."""
