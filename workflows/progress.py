@@ -1,0 +1,184 @@
+"""What the user sees while stages run: bars on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from pipeline.events import (
+    Event,
+    Listener,
+    StageFinished,
+    StageHit,
+    StageProgress,
+    StageStarted,
+    StageStopping,
+    StageWaiting,
+    StageWarned,
+)
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+SECONDS_BETWEEN_LINES = 10.0
+SHARE_BETWEEN_LINES = 0.02
+"""Plain lines come at most every ten seconds, and at most fifty times per stage."""
+
+
+@contextmanager
+def watching(*, quiet: bool) -> Iterator[Listener]:
+    """Listener that suits where the output goes; when quiet, only warnings are told."""
+    if quiet:
+        yield _only_warnings
+    elif sys.stdout.isatty():
+        with _bars() as listen:
+            yield listen
+    else:
+        yield PlainLines(_say)
+
+
+class PlainLines:
+    """Tells events line by line.
+
+    Parameters
+    ----------
+    say
+        Writes a line.
+    clock
+        Seconds.
+    """
+
+    def __init__(
+        self, say: Callable[[str], None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._say = say
+        self._clock = clock
+        self._last = (0.0, 0.0)
+
+    def __call__(self, event: Event) -> None:
+        """Tell one event."""
+        if isinstance(event, StageStarted):
+            self._last = (self._clock(), 0.0)
+        if isinstance(event, StageProgress):
+            self._progress(event)
+        elif line := told(event):
+            self._say(line)
+
+    def _progress(self, event: StageProgress) -> None:
+        now, share = self._clock(), event.done / event.total
+        if now - self._last[0] < SECONDS_BETWEEN_LINES or event.done == event.total:
+            return
+        if share - self._last[1] < SHARE_BETWEEN_LINES:
+            return
+        begun, begun_share = self._last
+        left = (1 - share) * (now - begun) / (share - begun_share)
+        self._last = (now, share)
+        self._say(f"{event.node}: {share:.0%}, about {duration(left)} left")
+
+
+def told(event: Event) -> str:
+    """One line about an event, empty for those not worth one."""
+    if isinstance(event, StageHit):
+        return f"{event.node}: in the store"
+    if isinstance(event, StageStarted):
+        resumed = event.resumed_frames
+        begun = "started" if resumed is None else f"resumed after {resumed} frames"
+        expected = event.expected_seconds
+        return f"{event.node}: {begun}" + (
+            f" (a similar run took {duration(expected)})" if expected is not None else ""
+        )
+    if isinstance(event, StageWaiting):
+        return f"{event.node}: being computed by {event.holder}; waiting for it"
+    if isinstance(event, StageWarned):
+        return f"{event.node}: warning: {event.message}"
+    if isinstance(event, StageStopping):
+        return f"{event.node}: stopping at the next checkpoint (Ctrl-C again stops at once)"
+    if isinstance(event, StageFinished):
+        return f"{event.node}: done in {duration(event.seconds)}, {size(event.size)}"
+    return ""
+
+
+def duration(seconds: float) -> str:
+    """Seconds in readable form.
+
+    Examples
+    --------
+    >>> duration(0.04), duration(42.3), duration(200), duration(7300)
+    ('0.04 s', '42 s', '3 min 20 s', '2 h 2 min')
+    """
+    if seconds < 10:
+        return f"{seconds:.2g} s"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def size(count: float) -> str:
+    """Bytes in readable form.
+
+    Examples
+    --------
+    >>> size(512), size(23_400_000)
+    ('512 B', '23.4 MB')
+    """
+    for unit in ("B", "kB", "MB"):
+        if count < 999.5:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} GB"
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def _only_warnings(event: Event) -> None:
+    if isinstance(event, StageWarned):
+        print(told(event), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _bars() -> Iterator[Listener]:
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description:<18}"),
+        BarColumn(bar_width=None),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, transient=True) as progress:
+        yield _Bars(progress)
+
+
+class _Bars:
+    """One bar per stage that reports progress; other events are lines above it."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._tasks: dict[str, TaskID] = {}
+
+    def __call__(self, event: Event) -> None:
+        if isinstance(event, StageProgress):
+            if event.node not in self._tasks:
+                self._tasks[event.node] = self._progress.add_task(event.node, total=event.total)
+            self._progress.update(self._tasks[event.node], completed=event.done)
+            return
+        if isinstance(event, StageFinished) and event.node in self._tasks:
+            self._progress.remove_task(self._tasks.pop(event.node))
+        if line := told(event):
+            self._progress.console.print(line, highlight=False, markup=False)
