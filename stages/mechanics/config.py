@@ -1,0 +1,68 @@
+"""Configuration of the mechanics stage."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from stages.configuration import OneOf, Section, quantity, setting
+from stages.mechanics.materials.base import Material
+
+AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
+
+
+class MechanicsConfig(Section):
+    """Shell on the film's mid-surface: mesh, time grid, damping, support, materials, solver."""
+
+    elements: tuple[int, int] = setting("knot spans along X and along Y", "sec. 4.3")
+    degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 3.1", ge=2)
+    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
+    duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
+    spectral_radius: float = quantity(
+        "", "amplification rho_inf of infinitely fast modes", "eq. 67", ge=0, le=1
+    )
+    damping: float = quantity(
+        "1/ms", "damping per mass c of C = c M; printed as 0.8 m/s, a rate", "eq. 105", ge=0
+    )
+    stiffness_damping: float = quantity(
+        "ms", "damping per stiffness at rest (Rayleigh)", "sec. 3.2", ge=0
+    )
+    support: Literal["clamped", "clamped-normal"] = setting(
+        "how the edge X = 0 is held: two rows of control points, or one and the next one's normal",
+        "sec. 4.1",
+    )
+    substrate: AnyMaterial = setting("material of the layer `substrate`", "Table 1, eq. 94")
+    active: AnyMaterial = setting("material of the layer `active`", "Table 1, eq. 95")
+    plane_points: int | None = setting(
+        "in-plane Gauss points per element and direction; none: degree + 1",
+        "sec. 3.1",
+        ge=1,
+        default=None,
+    )
+    layer_points: int = setting(
+        "Gauss points through the thickness of each layer", "sec. 4", ge=1, default=3
+    )
+    displacement_tolerance: float = setting(
+        "Newton: accepted correction, relative to the film's diagonal", gt=0, default=1e-7
+    )
+    energy_tolerance: float = setting(
+        "Newton: accepted work of the correction, relative to the step's largest",
+        gt=0,
+        default=1e-8,
+    )
+    force_tolerance: float = setting(
+        "Newton: accepted residual, relative to stiffness times the film's diagonal",
+        gt=0,
+        default=1e-9,
+    )
+    max_iterations: int = setting("Newton: iterations before giving up", ge=1, default=15)
+    max_halvings: int = setting("how often a step that fails may be halved", ge=0, default=6)
+
+    @property
+    def step(self) -> float:
+        """Time step, ms."""
+        return self.duration / self.n_steps
+
+    @property
+    def points_per_element(self) -> int:
+        """In-plane Gauss points per element and direction."""
+        return self.degree + 1 if self.plane_points is None else self.plane_points

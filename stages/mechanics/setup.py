@@ -1,0 +1,94 @@
+"""From configuration and records to the time loop; checks that the inputs belong together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stages.artefacts import Laminate, StressSamples
+from stages.mechanics.config import MechanicsConfig
+from stages.mechanics.dynamics import ShellDynamics, TimeLoop
+from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.supports import fixed_degrees
+from stages.numerics.newton import NewtonControls
+from stages.numerics.patches import Patch
+from stages.numerics.time_stepping import GeneralizedAlpha
+
+
+def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> TimeLoop:
+    """Time loop of the configured shell.
+
+    Raises
+    ------
+    ValueError
+        If the laminate has a layer without material, or no active layer.
+    """
+    shell = shell_of(config, patch, laminate)
+    dynamics = ShellDynamics.build(
+        shell,
+        fixed_degrees(patch, config.support),
+        damping=config.damping,
+        stiffness_damping=config.stiffness_damping,
+    )
+    return TimeLoop(
+        dynamics,
+        GeneralizedAlpha.damping_to(config.spectral_radius),
+        controls_of(config, shell),
+        config.step,
+        config.max_halvings,
+    )
+
+
+def shell_of(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Shell:
+    """Shell with the configured materials, matched to the layers by name."""
+    if not any(layer.active for layer in laminate.layers):
+        raise ValueError("no layer of the film is active: nothing would move it")
+    return build_shell(
+        patch,
+        laminate,
+        {"substrate": config.substrate, "active": config.active},
+        plane_points=config.points_per_element,
+        layer_points=config.layer_points,
+    )
+
+
+def controls_of(config: MechanicsConfig, shell: Shell) -> NewtonControls:
+    """Newton's tolerances, with the film's extent as the scale of displacements."""
+    return NewtonControls(
+        length=shell.extent,
+        displacement_tolerance=config.displacement_tolerance,
+        energy_tolerance=config.energy_tolerance,
+        force_tolerance=config.force_tolerance,
+        max_iterations=config.max_iterations,
+    )
+
+
+def check_inputs(config: MechanicsConfig, patch: Patch, stress: StressSamples) -> None:
+    """Mesh, quadrature and time grid of the inputs are those of the configuration.
+
+    Raises
+    ------
+    ValueError
+        Naming what was expected and what was given.
+    """
+    given = patch.first.elements, patch.second.elements
+    degrees = {space.degree for space in patch.spaces}
+    if given != config.elements or degrees != {config.degree}:
+        raise ValueError(
+            f"the mid-surface has {given[0]} x {given[1]} elements of degree "
+            f"{max(degrees)}, but mechanics is configured for {config.elements[0]} x "
+            f"{config.elements[1]} of degree {config.degree}: refine the geometry to that mesh"
+        )
+    expected = np.arange(config.n_steps + 1) * config.step
+    times = np.asarray(stress.time, dtype=float)
+    if times.shape != expected.shape or np.abs(times - expected).max() > 1e-9 * config.duration:
+        raise ValueError(
+            f"active stress is sampled at {times.size} times from {times[0]:g} to "
+            f"{times[-1]:g} ms, but the mechanics steps through {expected.size} times from 0 to "
+            f"{config.duration:g} ms: sample it on that grid"
+        )
+    points = given[0] * given[1] * config.points_per_element**2
+    if stress.active_stress.shape[1] != points:
+        raise ValueError(
+            f"active stress is given at {stress.active_stress.shape[1]} points, but the shell "
+            f"integrates over {points}: use {config.points_per_element} points per element"
+        )
