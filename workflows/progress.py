@@ -107,7 +107,7 @@ def duration(seconds: float) -> str:
     Examples
     --------
     >>> duration(0.04), duration(42.3), duration(200), duration(7300)
-    ('0.04 s', '42 s', '3 min 20 s', '2 h 2 min')
+    ('0.04 s', '42 s', '3 min 20 s', '2 h 1 min')
     """
     if seconds < 10:
         return f"{seconds:.2g} s"

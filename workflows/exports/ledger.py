@@ -75,7 +75,7 @@ class Ledger:
         self._save()
 
     def _save(self) -> None:
-        write_text(self._folder / NAME, json.dumps(self._entries, indent=1, sort_keys=True))
+        write_text(self._folder / NAME, json.dumps(self._entries, indent=1))
 
 
 def _read(path: Path) -> dict[str, Any]:

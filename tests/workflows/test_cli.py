@@ -1,0 +1,99 @@
+"""Commands that compute nothing, and how errors end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import StageError
+from tests.workflows.conftest import invoke
+
+
+def test_the_workflows_are_listed() -> None:
+    result = invoke("list")
+    assert result.exit_code == 0
+    assert result.output.startswith("planar-waves  ")
+
+
+def test_every_parameter_is_shown_with_unit_and_source() -> None:
+    result = invoke("show", "planar-waves", "--set", "mechanics.damping=1.5")
+    lines = {line.split()[0]: line for line in result.output.splitlines() if "." in line}
+    assert lines["geometry.substrate_thickness"].split()[1:3] == ["0.018", "mm"]
+    assert lines["mechanics.damping"].split()[1] == "1.5"
+    assert "Table 3" in lines["electrophysiology.tension_law.k_sigma"]
+    assert "[102, 60]" in lines["electrophysiology.elements"]
+    assert "[1.75, 1]" in lines["postprocessing.probes.A"]
+
+
+def test_a_unit_may_be_given_with_a_parameter() -> None:
+    result = invoke("show", "planar-waves", "--set", 'geometry.substrate_thickness="20 um"')
+    assert " 0.02 " in result.output
+
+
+def test_the_figures_are_listed() -> None:
+    result = invoke("reproduce")
+    assert [line.split()[0] for line in result.output.splitlines()] == ["fig8", "fig9"]
+
+
+def test_an_empty_store_is_no_error(tmp_path: Path) -> None:
+    result = invoke("store", "ls", "--store", tmp_path / "nothing")
+    assert result.exit_code == 0
+    assert "holds no results" in result.output
+    assert not (tmp_path / "nothing").exists()
+
+
+def test_explaining_computes_nothing(tmp_path: Path) -> None:
+    result = invoke("explain", "planar-waves", "--store", tmp_path / "store")
+    assert result.exit_code == 0
+    assert [line.split()[1] for line in result.output.splitlines()] == ["miss:"] * 5
+    assert not (tmp_path / "store").exists()
+
+
+def fail_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
+    """Make the runner raise."""
+
+    def run(*args: object, **kwargs: object) -> None:
+        raise error
+
+    monkeypatch.setattr("pipeline.runner.run", run)
+
+
+def test_a_failed_stage_ends_with_one(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    error = StageError("mechanics", "no convergence", place="t = 5 ms", remedy="halve the step")
+    fail_with(monkeypatch, error)
+    result = invoke("run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store")
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "Error: stage mechanics failed at t = 5 ms: no convergence\nRemedy: halve the step\n"
+    )
+
+
+@pytest.mark.parametrize("place", [0, 2])
+def test_the_traceback_is_shown_on_demand(
+    place: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fail_with(monkeypatch, StageError("mechanics", "no convergence"))
+    line: list[object] = ["run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store"]
+    result = invoke(*line[:place], "--traceback", *line[place:])
+    assert isinstance(result.exception, StageError)
+
+
+def test_a_mistake_of_the_program_is_said_to_be_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fail_with(monkeypatch, ZeroDivisionError("division by zero"))
+    result = invoke("run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store")
+    assert result.exit_code == 1
+    assert "unexpected ZeroDivisionError: division by zero" in result.stderr
+    assert "--traceback" in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_ctrl_c_ends_with_130_and_says_how_to_go_on(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fail_with(monkeypatch, KeyboardInterrupt())
+    result = invoke("run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store")
+    assert result.exit_code == 130
+    assert "the same command goes on from there" in result.stderr

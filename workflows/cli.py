@@ -1,0 +1,232 @@
+"""Command line. Only typer is imported here; each command imports what it needs when it runs."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import typer.core
+
+
+class Commands(typer.core.TyperGroup):
+    """Commands whose errors end as one message and an exit code.
+
+    ``--quiet`` and ``--traceback`` may stand anywhere on the line.
+    """
+
+    anywhere = ("--quiet", "--traceback")
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Move the flags that may stand anywhere to the front."""
+        end = args.index("--") if "--" in args else len(args)
+        flags = [arg for arg in args[:end] if arg in self.anywhere]
+        rest = [arg for arg in args[:end] if arg not in self.anywhere] + args[end:]
+        return super().parse_args(ctx, flags + rest)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command: 2 for bad input, 1 for a failed stage, 130 after Ctrl-C."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            say = "stopped; finished stages are kept, and the same command goes on from there"
+            typer.echo(say, err=True)
+            raise typer.Exit(130) from None
+        except (typer.Exit, typer.Abort):
+            raise
+        except Exception as error:
+            if type(error).__module__.partition(".")[0] in ("typer", "click"):
+                raise
+            if ctx.params.get("traceback"):
+                raise
+            message, code = _told(error)
+            typer.echo(f"Error: {message}", err=True)
+            raise typer.Exit(code) from None
+
+
+def _told(error: Exception) -> tuple[str, int]:
+    """Message and exit code of an error; a mistake of ours is said to be one."""
+    from pipeline.errors import MyofilmError
+
+    if isinstance(error, MyofilmError):
+        return str(error), error.exit_code
+    if isinstance(error, OSError):
+        return str(error), 1
+    kind = type(error).__name__
+    return f"unexpected {kind}: {error}\nRun again with --traceback to see where.", 1
+
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Simulate muscular thin films: electrical waves, contraction, bending. Results are kept in "
+    "a store and never computed twice.",
+)
+store_app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Look into the store of kept results."
+)
+app.add_typer(store_app, name="store")
+
+Name = Annotated[str, typer.Argument(metavar="WORKFLOW", help="See `myofilm list`.")]
+Config = Annotated[
+    Path | None,
+    typer.Option("--config", metavar="FILE.toml", help="Parameters over the paper's."),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="SECTION.KEY=VALUE",
+        help="One parameter over all others; may be given several times. A text may carry a unit: "
+        'geometry.substrate_thickness="18 um".',
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Output folder.  [default: results/WORKFLOW; of one stage results/WORKFLOW/STAGE]",
+    ),
+]
+StorePath = Annotated[
+    Path | None,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        envvar="MYOFILM_STORE",
+        help="Where results are kept.  [default: the user's cache folder]",
+    ),
+]
+
+
+@app.callback()
+def flags(
+    ctx: typer.Context,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Tell warnings and errors only.")] = False,
+    traceback: Annotated[
+        bool, typer.Option("--traceback", help="Show where in the program an error arose.")
+    ] = False,
+) -> None:
+    """Flags of all commands."""
+    ctx.obj = {"quiet": quiet}
+
+
+@app.command()
+def run(
+    ctx: typer.Context,
+    workflow: Name,
+    config: Config = None,
+    settings: Settings = None,
+    out: Out = None,
+    store: StorePath = None,
+) -> None:
+    """Run an experiment: report, pictures, data."""
+    from workflows.commands import run_workflow
+
+    run_workflow(workflow, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+
+
+def _stage_command(stage: str) -> None:
+    """Add the command that computes one stage and what it needs."""
+
+    def command(
+        ctx: typer.Context,
+        workflow: Name,
+        config: Config = None,
+        settings: Settings = None,
+        out: Out = None,
+        store: StorePath = None,
+    ) -> None:
+        from workflows.commands import run_stage
+
+        run_stage(stage, workflow, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+
+    app.command(stage, help=f"Compute {stage} and what it needs.")(command)
+
+
+for _stage in ("geometry", "electrophysiology", "activation", "mechanics", "postprocessing"):
+    _stage_command(_stage)
+
+
+@app.command()
+def explain(
+    workflow: Name, config: Config = None, settings: Settings = None, store: StorePath = None
+) -> None:
+    """Tell which stages would be computed, and why."""
+    from workflows.commands import explain_workflow
+
+    explain_workflow(workflow, config, settings or [], store)
+
+
+@app.command("list")
+def list_workflows() -> None:
+    """List the workflows."""
+    from workflows.commands import list_all
+
+    list_all()
+
+
+@app.command()
+def show(workflow: Name, config: Config = None, settings: Settings = None) -> None:
+    """Show every parameter of a workflow."""
+    from workflows.commands import show_parameters
+
+    show_parameters(workflow, config, settings or [])
+
+
+@app.command()
+def reproduce(
+    ctx: typer.Context,
+    figure: Annotated[
+        str | None, typer.Argument(metavar="[FIGURE]", help="Without it: what can be drawn.")
+    ] = None,
+    config: Config = None,
+    settings: Settings = None,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Output folder.")] = Path(
+        "results/reproduce"
+    ),
+    store: StorePath = None,
+) -> None:
+    """Draw a figure of the paper."""
+    from workflows.reproduce import draw, list_figures
+
+    if figure is None:
+        list_figures()
+    else:
+        draw(figure, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+
+
+@store_app.command("ls")
+def store_ls(
+    stage: Annotated[str | None, typer.Argument(help="Only this stage.")] = None,
+    store: StorePath = None,
+) -> None:
+    """List what is kept."""
+    from workflows.store_commands import list_artefacts
+
+    list_artefacts(stage, store)
+
+
+@store_app.command("show")
+def store_show(
+    key: Annotated[str, typer.Argument(help="Key of a result, or its first characters.")],
+    store: StorePath = None,
+) -> None:
+    """Tell everything about one kept result: how it was asked for and how it came about."""
+    from workflows.store_commands import show_artefact
+
+    show_artefact(key, store)
+
+
+def main() -> None:
+    """Entry point of the command ``myofilm``."""
+    app(prog_name="myofilm")
+
+
+if __name__ == "__main__":
+    sys.exit(main())  # type: ignore[func-returns-value]  # app() exits by itself

@@ -1,0 +1,145 @@
+"""What the commands about workflows do."""
+
+from __future__ import annotations
+
+import shutil
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workflows.progress import duration, size, watching
+from workflows.registry import ENTRIES
+from workflows.request import Request, open_store, output_folder
+from workflows.tables import aligned, number, parameter
+
+if TYPE_CHECKING:
+    from pipeline.plan import Verdict
+    from workflows.workflow import Quantity
+
+
+def run_workflow(
+    name: str,
+    config: Path | None,
+    overrides: Sequence[str],
+    out: Path | None,
+    store: Path | None,
+    *,
+    quiet: bool,
+) -> None:
+    """Compute all stages, write everything, and say where it is."""
+    from pipeline.runner import run
+    from workflows.exports.outputs import write_outputs
+
+    request = Request.read(name, config, overrides)
+    nodes = request.nodes()
+    kept = open_store(store)
+    folder = output_folder(out or Path("results") / name)
+    with watching(quiet=quiet) as listen:
+        outcomes = run(nodes, kept, listen=listen)
+    quantities = write_outputs(request, outcomes, folder)
+    if not quiet:
+        _tell_results(request, quantities, folder)
+
+
+def run_stage(
+    stage: str,
+    name: str,
+    config: Path | None,
+    overrides: Sequence[str],
+    out: Path | None,
+    store: Path | None,
+    *,
+    quiet: bool,
+) -> None:
+    """Compute one stage and what it needs, and write the summary of that."""
+    from pipeline.runner import run
+    from workflows.exports.ledger import Ledger
+    from workflows.exports.outputs import read_quantities, write_summary
+
+    request = Request.read(name, config, overrides)
+    nodes = request.nodes(stage)
+    kept = open_store(store)
+    folder = output_folder(out or Path("results") / name / stage)
+    with watching(quiet=quiet) as listen:
+        outcomes = run(nodes, kept, listen=listen)
+    quantities = {}
+    if request.workflow.measured in outcomes:
+        quantities = read_quantities(request, outcomes, Ledger(folder))
+    write_summary(request, outcomes, quantities, folder)
+    if not quiet:
+        print(f"\nresult   {kept.data(outcomes[stage].manifest.ref)}")
+        print(f"summary  {folder / 'summary.json'}")
+
+
+def explain_workflow(
+    name: str, config: Path | None, overrides: Sequence[str], store: Path | None
+) -> None:
+    """Tell which stages would be computed, why, and at what cost."""
+    from pipeline.plan import explain
+
+    request = Request.read(name, config, overrides)
+    for verdict in explain(request.nodes(), open_store(store)):
+        print(f"{verdict.node + ':':20}{_judged(verdict)}")
+        for reason in getattr(verdict, "reasons", ()):
+            print(f"{'':20}- {reason}")
+
+
+def list_all() -> None:
+    """One line for each workflow."""
+    for line in aligned([(entry.name, entry.about) for entry in ENTRIES]):
+        print(line)
+
+
+def show_parameters(name: str, config: Path | None, overrides: Sequence[str]) -> None:
+    """Every parameter with value, unit, source and description."""
+    from pipeline.config import describe
+
+    request = Request.read(name, config, overrides)
+    rows = [("PARAMETER", "VALUE", "UNIT", "SOURCE", "MEANING")]
+    rows += [
+        (p.name, parameter(p.value), p.unit, p.source, p.description)
+        for p in describe(request.config)
+    ]
+    print(request.workflow.title)
+    for line in aligned(rows):
+        print(line)
+
+
+def _judged(verdict: Verdict) -> str:
+    from pipeline.plan import Changed, Hit, Missing, Pending
+
+    if isinstance(verdict, Hit):
+        return "hit"
+    if isinstance(verdict, Missing):
+        return "miss: the store holds no result of this stage yet"
+    cost = (
+        f"a similar run took {duration(verdict.forecast.seconds)} and {size(verdict.forecast.size)}"
+    )
+    if isinstance(verdict, Pending):
+        after = ", ".join(verdict.waits_for)
+        return f"depends on {after}: a hit if what that gives is the same as before ({cost})"
+    assert isinstance(verdict, Changed)
+    return f"miss ({cost})"
+
+
+def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Path) -> None:
+    rows = [
+        (name, "-" if q.value in (None, []) else f"{number(q.value)} {q.unit}")
+        for name, q in quantities.items()
+    ]
+    print()
+    for line in aligned(rows, indent="  "):
+        print(line)
+    exports = request.workflow.exports
+    pictures = [e.files[0] for e in exports if e.kind == "picture"]
+    data = ["summary.json", *(e.files[0] for e in exports if e.kind == "data")]
+    width = shutil.get_terminal_size().columns
+    print()
+    print(f"report    {folder / 'report.html'}")
+    for label, files in (("pictures", pictures), ("data", data)):
+        paths = ", ".join(str(folder / file) for file in files)
+        for line in textwrap.wrap(
+            f"{label:10}{paths}", max(width, 60), subsequent_indent=" " * 10, break_long_words=False
+        ):
+            print(line)

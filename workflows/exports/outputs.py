@@ -1,0 +1,110 @@
+"""Everything a finished run leaves in its output folder; only what is out of date is made."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.canonical import canonical
+from workflows.experiment import Experiment
+from workflows.exports.files import write_text
+from workflows.exports.ledger import Ledger, source_id
+from workflows.workflow import Export, Quantity
+
+if TYPE_CHECKING:
+    from pipeline.runner import Outcome
+    from workflows.request import Request
+
+Outcomes = Mapping[str, "Outcome"]
+
+
+def write_outputs(request: Request, outcomes: Outcomes, folder: Path) -> dict[str, Quantity]:
+    """Write pictures, data, report and summary; give the quantities."""
+    ledger = Ledger(folder)
+    experiment = Experiment(lambda stage: outcomes[stage].load())
+    for export in request.workflow.exports:
+        _make(export, outcomes, experiment, ledger, folder)
+    quantities = read_quantities(request, outcomes, ledger)
+    _make_report(request, outcomes, quantities, ledger, folder)
+    write_summary(request, outcomes, quantities, folder)
+    return quantities
+
+
+def read_quantities(request: Request, outcomes: Outcomes, ledger: Ledger) -> dict[str, Quantity]:
+    """Quantities of a run, from the ledger if they are known for this very result."""
+    workflow = request.workflow
+    source = source_id(workflow.module, _contents(outcomes, (workflow.measured,)))
+    kept = ledger.value("quantities", source)
+    if kept is None:
+        measured = outcomes[workflow.measured].load()
+        kept = {k: dataclasses.asdict(q) for k, q in workflow.quantities(measured).items()}
+        ledger.keep("quantities", source, kept)
+    return {name: Quantity(**entry) for name, entry in kept.items()}
+
+
+def write_summary(
+    request: Request, outcomes: Outcomes, quantities: Mapping[str, Quantity], folder: Path
+) -> None:
+    """Write ``summary.json``: the quantities, and what this run did for each stage.
+
+    ``seconds`` is the time that this run spent on a stage: none if its result was in the store.
+    """
+    summary = {
+        "workflow": request.workflow.name,
+        "quantities": {k: {"value": q.value, "unit": q.unit} for k, q in quantities.items()},
+        "stages": {
+            name: {
+                "key": outcome.key,
+                "hit": outcome.hit,
+                "seconds": 0.0 if outcome.hit else round(outcome.seconds, 3),
+            }
+            for name, outcome in outcomes.items()
+        },
+    }
+    write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
+
+
+def _make(
+    export: Export, outcomes: Outcomes, experiment: Experiment, ledger: Ledger, folder: Path
+) -> None:
+    source = source_id(export.module, _contents(outcomes, export.stages))
+    if all(ledger.is_current(file, source) for file in export.files):
+        return
+    importlib.import_module(export.module).write(experiment, folder)
+    for file in export.files:
+        ledger.made(file, source)
+
+
+def _make_report(
+    request: Request,
+    outcomes: Outcomes,
+    quantities: Mapping[str, Quantity],
+    ledger: Ledger,
+    folder: Path,
+) -> None:
+    template = Path(__file__).parents[1] / "templates" / "report.html"
+    contents: dict[str, Any] = {
+        "config": canonical(request.config),
+        "stages": {name: outcome.key for name, outcome in outcomes.items()},
+        "results": _contents(outcomes, tuple(outcomes)),
+        "quantities": {name: [repr(q.value), q.unit, q.meaning] for name, q in quantities.items()},
+        "template": template.read_text(encoding="utf-8"),
+        "exports": [
+            source_id(export.module, _contents(outcomes, export.stages))
+            for export in request.workflow.exports
+        ],
+    }
+    source = source_id("workflows.report", contents)
+    if not ledger.is_current("report.html", source):
+        from workflows.report import render
+
+        write_text(folder / "report.html", render(request, outcomes, quantities, template, folder))
+        ledger.made("report.html", source)
+
+
+def _contents(outcomes: Outcomes, stages: tuple[str, ...]) -> dict[str, str]:
+    return {stage: outcomes[stage].content for stage in stages}

@@ -1,0 +1,69 @@
+"""Workflows by name; none is imported before it is asked for.
+
+A new workflow is a module that defines ``WORKFLOW``, a file ``parameters/<name>.toml``, and one entry
+here.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from workflows.workflow import Workflow
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where a workflow is, and what it is in one line."""
+
+    name: str
+    module: str
+    about: str
+
+
+ENTRIES = (
+    Entry(
+        "planar-waves",
+        "workflows.planar_waves",
+        "electrical waves S1 and S2 cross a film and make it beat (section 4.3, Figs 8 and 9)",
+    ),
+)
+
+
+def find(name: str) -> Workflow:
+    """The workflow of that name.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    for entry in ENTRIES:
+        if entry.name == name:
+            workflow: Workflow = importlib.import_module(entry.module).WORKFLOW
+            return workflow
+    raise unknown("workflow", name, [entry.name for entry in ENTRIES])
+
+
+def parameters(name: str) -> Path:
+    """File with a workflow's parameters as the paper gives them."""
+    return Path(__file__).parent / "parameters" / f"{name}.toml"
+
+
+def unknown(kind: str, name: str, names: list[str]) -> Exception:
+    """Error for a name that does not exist, with the nearest one that does.
+
+    Examples
+    --------
+    >>> print(unknown("workflow", "planar-wave", ["planar-waves"]))
+    there is no workflow 'planar-wave'; did you mean 'planar-waves'? Known: planar-waves
+    """
+    from pipeline.errors import InputError
+
+    near = get_close_matches(name, names, n=1, cutoff=0.4)
+    hint = f"; did you mean {near[0]!r}?" if near else "."
+    return InputError(f"there is no {kind} {name!r}{hint} Known: {', '.join(names)}")

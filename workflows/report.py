@@ -1,0 +1,72 @@
+"""One page about a run that needs no other file: what was done, what came out, how to cite it."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, StrictUndefined
+
+from pipeline.config import describe
+from workflows.progress import duration, size
+from workflows.tables import number, parameter
+from workflows.version import version
+from workflows.workflow import Quantity
+
+if TYPE_CHECKING:
+    from pipeline.runner import Outcome
+    from workflows.request import Request
+
+
+def render(
+    request: Request,
+    outcomes: Mapping[str, Outcome],
+    quantities: Mapping[str, Quantity],
+    template: Path,
+    folder: Path,
+) -> str:
+    """HTML text with the pictures of the output folder inside."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {"number": number, "parameter": parameter}
+    page = environment.from_string(template.read_text(encoding="utf-8"))
+    workflow = request.workflow
+    return page.render(
+        workflow=workflow,
+        version=version(),
+        quantities=quantities,
+        pictures=[
+            {"caption": export.caption, "source": _inlined(folder / export.files[0])}
+            for export in workflow.exports
+            if export.kind == "picture"
+        ],
+        data=[export for export in workflow.exports if export.kind == "data"],
+        stages=[_stage(name, outcome) for name, outcome in outcomes.items()],
+        sections=_sections(request),
+    )
+
+
+def _stage(name: str, outcome: Outcome) -> dict[str, Any]:
+    return {
+        "name": name,
+        "key": outcome.key,
+        "origin": "from the store" if outcome.hit else "computed",
+        "seconds": duration(outcome.seconds),
+        "size": size(outcome.manifest.size),
+        "warnings": outcome.manifest.warnings,
+    }
+
+
+def _sections(request: Request) -> dict[str, list[Any]]:
+    """Parameters by section, in the order of the configuration."""
+    sections: dict[str, list[Any]] = {}
+    for row in describe(request.config):
+        sections.setdefault(row.name.partition(".")[0], []).append(row)
+    return sections
+
+
+def _inlined(picture: Path) -> str:
+    return "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()

@@ -1,0 +1,96 @@
+"""What a command asks for: workflow, configuration, store and output folder, all checked."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.errors import InputError
+from workflows import registry
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from pipeline.nodes import Node
+    from pipeline.store import LocalStore
+    from workflows.workflow import Workflow
+
+
+@dataclass(frozen=True)
+class Request:
+    """A workflow with its validated configuration."""
+
+    workflow: Workflow
+    config: BaseModel
+
+    @classmethod
+    def read(cls, name: str, config: Path | None = None, overrides: Sequence[str] = ()) -> Request:
+        """The paper's parameters, a file's over them, and ``SECTION.KEY=VALUE`` strings over both.
+
+        Raises
+        ------
+        InputError
+            If anything about these is wrong.
+        """
+        from pipeline.config import load, read_toml
+
+        workflow = registry.find(name)
+        layers = [read_toml(registry.parameters(name))]
+        if config is not None:
+            layers.append(read_toml(config))
+        return cls(workflow, load(workflow.config, layers, overrides))
+
+    def nodes(self, last: str | None = None) -> Mapping[str, Node[Any]]:
+        """Planned stages by name, all or those that the stage ``last`` needs, itself included.
+
+        Raises
+        ------
+        InputError
+            If the workflow has no such stage.
+        """
+        nodes = self.workflow.plan(self.config)
+        if last is None:
+            return nodes
+        if last not in nodes:
+            raise registry.unknown(f"stage of {self.workflow.name}", last, list(nodes))
+        from pipeline.nodes import in_order
+
+        needed = {id(node) for _, node in in_order({last: nodes[last]})}
+        return {name: node for name, node in nodes.items() if id(node) in needed}
+
+
+def open_store(path: Path | None) -> LocalStore:
+    """The store in a folder, or in the user's cache folder."""
+    from pipeline.store import LocalStore
+
+    if path is None:
+        import platformdirs
+
+        path = Path(platformdirs.user_cache_dir("myofilm"))
+    return LocalStore(path)
+
+
+def output_folder(path: Path) -> Path:
+    """The folder, made if it is not there.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written: better known before hours of computing than after.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError(f"the output folder {path} is a file; choose another with --out")
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path, prefix=".myofilm-"):
+            pass
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise InputError(
+            f"cannot write to the output folder {path}: {reason.lower()}; choose another with --out"
+        ) from error
+    return path
