@@ -6,6 +6,7 @@ are then exactly zero at rest and lose no digits at small strains.
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
@@ -67,7 +68,13 @@ def compile_point(material: Material, tension: Tension) -> Callable[..., PlaneRe
     ----------
     Torre et al., eqs. 36-39, 51, 89-93; Kiendl et al. (2015), eqs. 47-49 for the static condensation.
     """
-    module = sys.modules[type(material).__module__]
+    return _compile(type(material), tension)
+
+
+@functools.cache
+def _compile(material: type[Material], tension: Tension) -> Callable[..., PlaneResponse]:
+    """One kernel per law and process; layers of one law share it, whatever their parameters."""
+    module = sys.modules[material.__module__]
     energy, gradient, hessian = (inlined(getattr(module, n)) for n in _LAW)
     first, second, pull = inlined(plane_gradient), inlined(plane_hessian), inlined(tension)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -52,7 +53,7 @@ def compile_layer(points: LayerPoints, tension: Tension) -> Callable[..., None]:
     tension
         Tension law; the activation is given per in-plane quadrature point, shape ``(point,)``.
     """
-    add = _compile(points, tension)
+    add = _layer_kernel(compile_point(points.material, tension))
     arrays = points.depth, points.weights, points.reference
     constants = points.material.constants()
 
@@ -64,17 +65,7 @@ def compile_layer(points: LayerPoints, tension: Tension) -> Callable[..., None]:
     return add_layer
 
 
-def _compile(points: LayerPoints, tension: Tension) -> Callable[..., None]:
-    key = (type(points.material), tension)
-    if key not in _COMPILED:
-        _COMPILED[key] = _layer_kernel(compile_point(points.material, tension))
-    return _COMPILED[key]
-
-
-_COMPILED: dict[Any, Callable[..., None]] = {}
-"""Kernels of this process: layers of one material share theirs, whatever their parameters."""
-
-
+@functools.cache
 def _layer_kernel(respond: Callable[..., Any]) -> Callable[..., None]:
     @kernel
     def add(

@@ -45,9 +45,9 @@ class GeneralizedAlpha:
 
     Examples
     --------
-    >>> GeneralizedAlpha.damping_to(0.5)
-    GeneralizedAlpha(alpha_m=1.0, alpha_f=0.6666666666666666, beta=0.4444444444444445, \
-gamma=0.8333333333333334)
+    >>> scheme = GeneralizedAlpha.damping_to(1.0)  # the trapezoidal rule
+    >>> scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma
+    (0.5, 0.5, 0.25, 0.5)
     """
 
     alpha_m: float

@@ -21,9 +21,7 @@ def respond(body: Shell, displacement: Array, activation: Array) -> tuple[Array,
     moved = patch.control_points + displacement.reshape(patch.control_points.shape)
     grid = quadrature_grid(patch, body.basis.points)
     reference = frame_on_grid(patch, grid.theta1, grid.theta2)
-    current = frame_on_grid(
-        Patch(patch.first, patch.second, moved), grid.theta1, grid.theta2
-    )
+    current = frame_on_grid(Patch(patch.first, patch.second, moved), grid.theta1, grid.theta2)
     weights = (grid.weights1[:, None] * grid.weights2).ravel() * reference.area
 
     eps = 0.5 * (current.metric_cov - reference.metric_cov)

@@ -1,0 +1,108 @@
+"""Newton's method: order, verdicts, failures with their history."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stages.numerics.bsplines import Array
+from stages.numerics.newton import (
+    DivergenceError,
+    IterationLimitError,
+    Linearisation,
+    NewtonControls,
+    SingularTangentError,
+    newton,
+)
+from stages.numerics.sparse import SingularMatrixError
+
+CONTROLS = NewtonControls(length=1.0)
+
+
+def root_of(value: float, power: int = 2) -> object:
+    def linearise(x: Array) -> Linearisation:
+        slope = power * x ** (power - 1)
+        return Linearisation(x**power - value, lambda b: b / slope, float(np.abs(slope).max()))
+
+    return linearise
+
+
+def test_convergence_is_quadratic() -> None:
+    solution = newton(root_of(2.0), np.array([1.5]), CONTROLS)  # type: ignore[arg-type]
+    # x^2 = 2 to the last bit or so: the correction after a 1e-7 one is far below round-off
+    assert solution.x[0] == pytest.approx(np.sqrt(2.0), rel=1e-15)
+    steps = [i.displacement for i in solution.history]
+    # error' = error^2/(2 x): each correction is about 0.35 of the square of the one before
+    assert steps[1] == pytest.approx(0.35 * steps[0] ** 2, rel=0.1)
+
+
+def test_a_linear_problem_takes_one_iteration_more_than_its_solution() -> None:
+    matrix = np.array([[4.0, 1.0], [1.0, 3.0]])
+    solve = lambda b: np.linalg.solve(matrix, b)  # noqa: E731
+    target = np.array([1.0, 2.0])
+    solution = newton(
+        lambda x: Linearisation(matrix @ x - target, solve, 4.0), np.zeros(2), CONTROLS
+    )
+    assert solution.iterations == 2
+    np.testing.assert_allclose(solution.x, [1 / 11, 7 / 11], rtol=1e-14)
+
+
+def test_a_start_at_the_solution_is_kept_to_the_bit() -> None:
+    zero = np.zeros(3)
+    solution = newton(lambda x: Linearisation(x.copy(), lambda b: b, 1.0), zero, CONTROLS)
+    assert not solution.x.any()
+    assert solution.iterations == 1
+
+
+def test_one_small_correction_with_a_large_force_is_no_verdict() -> None:
+    """A stiff spring beside a soft one: the first correction is tiny, the energy is not."""
+    stiff, soft = 1e6, 1e-6
+
+    def linearise(x: Array) -> Linearisation:
+        # the soft spring sees its load only once the stiff one has moved
+        load = 1e-7 if x[0] > 0 else 0.0
+        residual = np.array([stiff * x[0] - 1e-2, soft * x[1] - load])
+        return Linearisation(residual, lambda b: b / np.array([stiff, soft]), stiff)
+
+    solution = newton(linearise, np.zeros(2), CONTROLS)
+    assert solution.history[0].displacement < CONTROLS.displacement_tolerance
+    assert solution.x[1] == pytest.approx(0.1, rel=1e-12)
+
+
+def test_a_residual_at_its_round_off_floor_is_accepted() -> None:
+    """A residual that keeps a noise of 1e-15 while the soft unknown moves by 1e-4 for ever."""
+    noise = iter(1e-15 * (-1.0) ** np.arange(100))
+
+    def linearise(x: Array) -> Linearisation:
+        return Linearisation(np.array([next(noise)]), lambda b: b / 1e-11, 1.0)
+
+    assert newton(linearise, np.array([1.0]), CONTROLS).iterations == 1
+
+
+def test_a_residual_that_is_not_finite_is_a_divergence() -> None:
+    def linearise(x: Array) -> Linearisation:
+        with np.errstate(invalid="ignore"):
+            return Linearisation(np.log(x), lambda b: b * x, 1.0)
+
+    with pytest.raises(DivergenceError, match=r"diverged.*by iteration: 1.10e\+00") as failure:
+        newton(linearise, np.array([3.0]), CONTROLS)  # overshoots to a negative argument
+    assert len(failure.value.history) == 1
+    assert "smaller steps" in failure.value.remedy
+
+
+def test_a_singular_tangent_names_the_supports() -> None:
+    def singular(b: Array) -> Array:
+        raise SingularMatrixError("the matrix is singular: pivot 3 of 9 is zero")
+
+    with pytest.raises(SingularTangentError, match="pivot 3 of 9") as failure:
+        newton(lambda x: Linearisation(x - 1.0, singular, 1.0), np.zeros(1), CONTROLS)
+    assert "supports" in failure.value.remedy
+
+
+def test_the_iteration_limit_is_an_error_with_all_residuals() -> None:
+    def cycle(x: Array) -> Linearisation:
+        return Linearisation(x**3 - 2 * x + 2, lambda b: b / (3 * x**2 - 2), 1.0)
+
+    with pytest.raises(IterationLimitError, match="within 15 iterations") as failure:
+        newton(cycle, np.array([0.0]), CONTROLS)  # 0 -> 1 -> 0 -> ...
+    assert len(failure.value.history) == 15
