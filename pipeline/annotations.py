@@ -6,6 +6,7 @@ are then unknown at run time stand for :class:`Unknown`, which is compatible wit
 
 from __future__ import annotations
 
+import ast
 import builtins
 import dataclasses
 import inspect
@@ -14,6 +15,7 @@ import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 
@@ -77,6 +79,14 @@ def _field_hints(structure: Any) -> Fields:
     )
 
 
+def complete_field_hints(structure: type[Any]) -> dict[str, Any]:
+    """Declared type of each field of a dataclass, names for type checkers imported after all.
+
+    For reading a record, when its modules are needed anyway.
+    """
+    return _dataclass_hints(structure, _type_checking_imports)
+
+
 def alternatives(hint: Any) -> tuple[Any, ...]:
     """Members of a union, with ``Annotated`` and type aliases taken off.
 
@@ -116,10 +126,13 @@ def _items(member: Any, place: int | str) -> Iterator[Any]:
         yield arguments[0]
 
 
-def _dataclass_hints(structure: type) -> dict[str, Any]:
+def _dataclass_hints(
+    structure: type, more_names: Callable[[str], Mapping[str, Any]] = lambda module: {}
+) -> dict[str, Any]:
     hints: dict[str, Any] = {}
     for base in reversed(structure.__mro__):
-        names = _Names(vars(sys.modules.get(base.__module__, typing)))
+        module = vars(sys.modules.get(base.__module__, typing))
+        names = _Names({**more_names(base.__module__), **module})
         for name, hint in inspect.get_annotations(base).items():
             hints[name] = _resolve(hint, names)
     return hints
@@ -132,6 +145,21 @@ def _resolve(hint: Any, names: _Names) -> Any:
         return eval(hint, {}, names)
     except TypeError:  # an expression that mixes known and unknown types in an unusual way
         return Unknown()
+
+
+@cache
+def _type_checking_imports(module: str) -> Mapping[str, Any]:
+    """Names that a module imports under ``if TYPE_CHECKING``."""
+    loaded = sys.modules.get(module)
+    path = getattr(loaded, "__file__", None)
+    if path is None or not path.endswith(".py"):
+        return {}
+    names = {"__name__": module, "__package__": getattr(loaded, "__package__", None)}
+    for node in ast.parse(Path(path).read_bytes()).body:
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+            imports = [one for one in node.body if isinstance(one, ast.Import | ast.ImportFrom)]
+            exec(compile(ast.Module(body=[*imports], type_ignores=[]), path, "exec"), names)
+    return names
 
 
 def _mapping(extra: Any) -> Mapping[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import resource
 import sys
@@ -20,7 +21,7 @@ from pipeline.keys import Ref, Statement
 from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, whole_content
 from pipeline.nodes import Node, Part
 from pipeline.provenance import environment
-from pipeline.records import WHOLE, parts_of
+from pipeline.records import WHOLE
 from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
 
@@ -34,6 +35,7 @@ class Task:
     statement: Statement
     inputs: Mapping[str, InputEntry]
     expected_seconds: float | None = None
+    waited_seconds: float = 0.0
 
 
 def execute(
@@ -55,19 +57,26 @@ def execute(
     listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
     try:
         inputs = {role: _load(task, role, store) for role in task.inputs}
-        record = _call(task, inputs, run)
-        with storing(work.data):
-            save(work.data, record, written=_streamed(task, record, run))
-            files = hash_files(work.data)
-    except StoreError:
-        if not work.checkpoint.exists():
-            with storing(work.folder):
+        _compute(task, inputs, run)
+        manifest = _manifest(task, run, started)
+        work.publish(manifest)
+    except BaseException as error:
+        if not work.checkpoint.exists() and getattr(error, "kept", None) is None:
+            with contextlib.suppress(OSError):  # the first error is the one to tell
                 remove_tree(work.folder)
         raise
+    listen(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
+    return manifest
+
+
+def _manifest(task: Task, run: StoreRun, started: str) -> Manifest:
+    with storing(run.work.data):
+        files = hash_files(run.work.data)
     parts = content_ids(files)
-    manifest = Manifest(
-        stage=stage.name,
-        key=key,
+    module = task.node.stage.module
+    return Manifest(
+        stage=task.node.stage.name,
+        key=task.statement.key,
         config=task.statement.config,
         code=task.statement.code.digest,
         modules=task.statement.code.modules,
@@ -80,13 +89,10 @@ def execute(
         peak_memory=_peak_memory(),
         started=started,
         finished=_now(),
-        environment=environment(locate(stage.module)),
+        environment=environment(locate(module)) | {"lock_wait_seconds": task.waited_seconds},
         warnings=tuple(run.warnings),
         notes=run.notes,
     )
-    work.publish(manifest)
-    listen(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
-    return manifest
 
 
 def _load(task: Task, role: str, store: Store) -> Any:
@@ -98,16 +104,16 @@ def _load(task: Task, role: str, store: Store) -> Any:
         return load(folder, source.record)
 
 
-def _call(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> Any:
-    stage = task.node.stage
+def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> None:
+    """Run the stage and write what it returns."""
+    stage, declared = task.node.stage, task.node.record
     try:
         with deferred_interrupts() as run.interrupts:
             record = stage.compute(task.node.config, run=run, **inputs)
-        if type(record) is not task.node.record:
-            raise TypeError(
-                f"it returned a {type(record).__name__} instead of a {task.node.record.__name__}"
-            )
-        return record
+        if type(record) is not declared:
+            raise TypeError(f"it returned a {type(record).__name__}, not a {declared.__name__}")
+        with storing(run.work.data):
+            save(run.work.data, record, written=_streamed(record, run))
     except MyofilmError:
         raise
     except Exception as error:
@@ -136,19 +142,17 @@ def _kept(run: StoreRun) -> Path | None:
     """Folder of the work, if histories were streamed into it."""
     frames = [history for history in run.histories.values() if history.frames_done]
     for history in frames:
-        history.flush()
+        with contextlib.suppress(StoreError):  # the stage's own failure is the one to tell
+            history.flush()
     return run.work.folder if frames else None
 
 
-def _streamed(task: Task, record: Any, run: StoreRun) -> set[str]:
+def _streamed(record: Any, run: StoreRun) -> set[str]:
+    """Parts that were streamed; the record must hold the finished histories themselves."""
     for part, history in run.histories.items():
         value = record if part == WHOLE else getattr(record, part)
         if history.record is None or value is not history.record:
-            raise StageError(
-                task.node.stage.name,
-                f"the result does not hold the finished history of {parts_of(type(record))[part]}",
-                remedy="return what history.finish(...) gives",
-            )
+            raise TypeError(f"its {type(value).__name__} is not what history.finish(...) gave")
     return set(run.histories)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -76,9 +77,11 @@ class FrameShapes(Generic[R]):
             raise ValueError(
                 f"{self.record.__name__} ends after {done} of the {self.count} frames announced"
             )
-        expected = {name for name, _, _ in field_hints(self.record)} - self.shapes.keys()
-        if fields.keys() != expected:
+        record: Any = self.record
+        others = [f for f in dataclasses.fields(record) if f.init and f.name not in self.shapes]
+        needed = {f.name for f in others if f.default is f.default_factory is dataclasses.MISSING}
+        if not needed <= fields.keys() <= {f.name for f in others}:
             raise ValueError(
-                f"to finish {self.record.__name__}, give {', '.join(sorted(expected)) or 'nothing'}"
+                f"to finish {self.record.__name__}, give {', '.join(sorted(needed)) or 'nothing'}"
                 f"; got {', '.join(sorted(fields)) or 'nothing'}"
             )

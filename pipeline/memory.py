@@ -33,6 +33,8 @@ class MemoryHistory(Generic[R]):
     def finish(self, **fields: Any) -> R:
         """The record, from the streamed frames and the remaining fields."""
         self._frames.check_finished(self.frames_done, fields)
+        for name, shape in self._frames.shapes.items():
+            self._fields.setdefault(name, np.zeros((0, *shape), self._frames.dtype(name)))
         return self._frames.record(**self._fields, **fields)
 
 

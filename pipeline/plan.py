@@ -5,74 +5,15 @@ Nothing is computed or loaded; a plan reads manifests only.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from pipeline.canonical import Canonical, canonical
-from pipeline.fingerprint import Fingerprint
-from pipeline.keys import SCHEMA, Statement, code_of, statement
+from pipeline.keys import Statement, statement
 from pipeline.manifest import InputEntry, Manifest
-from pipeline.nodes import Node, Part, in_order, source_node
+from pipeline.nodes import Node, Part, Source, in_order, source_node
+from pipeline.reasons import Reason, nearest
 from pipeline.store import Store
-
-
-class Absent:
-    """Value of a configuration field that is not there."""
-
-    def __repr__(self) -> str:
-        return "absent"
-
-
-ABSENT = Absent()
-
-
-@dataclass(frozen=True)
-class ConfigChanged:
-    """A parameter has another value."""
-
-    field: str
-    was: Any
-    now: Any
-
-    def __str__(self) -> str:
-        return f"{self.field} is {self.now!r}, was {self.was!r}"
-
-
-@dataclass(frozen=True)
-class InputChanged:
-    """The result of an earlier stage is another one."""
-
-    role: str
-    stage: str
-
-    def __str__(self) -> str:
-        return f"input {self.role} (from {self.stage}) changed"
-
-
-@dataclass(frozen=True)
-class CodeChanged:
-    """A module was ``"edited"``, ``"added"`` to the code that is used, or ``"removed"`` from it."""
-
-    module: str
-    how: str
-
-    def __str__(self) -> str:
-        return f"module {self.module} was {self.how}"
-
-
-@dataclass(frozen=True)
-class SchemaChanged:
-    """The store's own version is another one."""
-
-    was: int
-    now: int
-
-    def __str__(self) -> str:
-        return f"the store's schema is {self.now}, was {self.was}"
-
-
-Reason: TypeAlias = ConfigChanged | InputChanged | CodeChanged | SchemaChanged
 
 
 @dataclass(frozen=True)
@@ -160,13 +101,16 @@ def explain(nodes: Mapping[str, Node[Any]], store: Store) -> list[Verdict]:
     return list(verdicts.values())
 
 
-def input_entries(node: Node[Any], manifests: Mapping[int, Manifest]) -> dict[str, InputEntry]:
-    """Input table of a node from the manifests (by ``id``) of the nodes it needs."""
+def input_entries(
+    sources: Mapping[str, Source], manifests: Mapping[int, Manifest]
+) -> dict[str, InputEntry]:
+    """Input table from the manifests (by ``id`` of the node) of what the inputs come from."""
     entries = {}
-    for role, source in node.inputs.items():
+    for role, source in sources.items():
         manifest = manifests[id(source_node(source))]
         part = source.name if isinstance(source, Part) else None
-        entries[role] = InputEntry(manifest.stage, manifest.key, part, manifest.content_of(part))
+        content = manifest.content_of(part)
+        entries[role] = InputEntry(manifest.stage, manifest.key, part, content)
     return entries
 
 
@@ -176,85 +120,21 @@ def statement_of(node: Node[Any], inputs: Mapping[str, InputEntry]) -> Statement
     return statement(node.stage.name, node.stage.module, node.config, contents)
 
 
-def nearest(
-    stage: str, config: Canonical, code: Fingerprint, inputs: Mapping[str, str], store: Store
-) -> tuple[Manifest, tuple[Reason, ...]] | None:
-    """Past result of a stage with the fewest differences, the latest of these, and the differences.
-
-    Roles that are not in ``inputs`` are not compared.
-    """
-    best: tuple[Manifest, tuple[Reason, ...]] | None = None
-    for ref in store.refs(stage):
-        manifest = store.manifest(ref)
-        reasons = tuple(differences(manifest, config, code, inputs))
-        if best is None or (-len(reasons), manifest.finished) > (-len(best[1]), best[0].finished):
-            best = manifest, reasons
-    return best
-
-
-def differences(
-    past: Manifest, config: Canonical, code: Fingerprint, inputs: Mapping[str, str]
-) -> Iterator[Reason]:
-    """Why a past result is not the one asked for."""
-    if past.schema != SCHEMA:
-        yield SchemaChanged(past.schema, SCHEMA)
-    was, now = dict(_leaves(past.config)), dict(_leaves(config))
-    for field in {**now, **was}:
-        before, after = was.get(field, ABSENT), now.get(field, ABSENT)
-        if (type(before), before) != (type(after), after):
-            yield ConfigChanged(field, before, after)
-    for role, content in inputs.items():
-        entry = past.inputs.get(role)
-        if entry is None or entry.content != content:
-            yield InputChanged(role, entry.stage if entry else "")
-    for module in sorted({*past.modules, *code.modules}):
-        if module not in past.modules:
-            yield CodeChanged(module, "added")
-        elif module not in code.modules:
-            yield CodeChanged(module, "removed")
-        elif past.modules[module] != code.modules[module]:
-            yield CodeChanged(module, "edited")
-
-
 def _judge(name: str, node: Node[Any], store: Store, found: Mapping[int, Manifest]) -> Verdict:
     stage = node.stage.name
-    waits_for = tuple(
-        dict.fromkeys(
-            source_node(source).stage.name
-            for source in node.inputs.values()
-            if id(source_node(source)) not in found
-        )
-    )
-    if waits_for:
-        config, code = canonical(node.config), code_of(node.stage.module, node.config)
-        known = {
-            role: source for role, source in node.inputs.items() if id(source_node(source)) in found
-        }
-        contents: Mapping[str, str] = {
-            role: entry.content
-            for role, entry in input_entries(Node(node.stage, node.config, known), found).items()
-        }
-        key = None
-    else:
-        stated = statement_of(node, input_entries(node, found))
-        if manifest := store.find(stated.ref):
-            return Hit(name, stage, stated.key, manifest)
-        config, code, contents, key = stated.config, stated.code, stated.inputs, stated.key
-    past = nearest(stage, config, code, contents, store)
+    nodes = {role: source_node(source) for role, source in node.inputs.items()}
+    known = {role: source for role, source in node.inputs.items() if id(nodes[role]) in found}
+    waits_for = tuple(dict.fromkeys(n.stage.name for role, n in nodes.items() if role not in known))
+    inputs = input_entries(known, found)
+    stated = statement_of(node, inputs)
+    if not waits_for and (manifest := store.find(stated.ref)):
+        return Hit(name, stage, stated.key, manifest)
+    key = None if waits_for else stated.key
+    past = nearest(stated, {role: inputs.get(role) for role in nodes}, store)
     if past is None:
         return Missing(name, stage, key)
-    forecast = Forecast(past[0].seconds, past[0].size)
-    if waits_for and not past[1]:
+    manifest, reasons = past
+    forecast = Forecast(manifest.seconds, manifest.size)
+    if waits_for and not reasons:
         return Pending(name, stage, waits_for, forecast)
-    return Changed(name, stage, key, past[1], forecast)
-
-
-def _leaves(value: Canonical, path: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(value, dict) and value:
-        for name, item in value.items():
-            yield from _leaves(item, f"{path}.{name}".lstrip("."))
-    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
-        for i, item in enumerate(value):
-            yield from _leaves(item, f"{path}.{i}")
-    else:
-        yield path, value
+    return Changed(name, stage, key, reasons, forecast)

@@ -8,6 +8,7 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,15 @@ def versions() -> dict[str, str]:
         except importlib.metadata.PackageNotFoundError:
             found[name] = "absent"
     return found
+
+
+def version_changes(past: Mapping[str, str]) -> list[str]:
+    """Libraries whose version differs from that of a past run, in words."""
+    return [
+        f"{name} {past[name]} (installed: {now})"
+        for name, now in versions().items()
+        if name != "python" and past.get(name, now) != now
+    ]
 
 
 def environment(source: Path | None) -> dict[str, Any]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.events import Listener, StageHit, StageWaiting, ignore
+from pipeline.events import Listener, StageHit, StageWaiting, StageWarned, ignore
 from pipeline.keys import Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, in_order
-from pipeline.plan import input_entries, nearest, statement_of
+from pipeline.plan import input_entries, statement_of
+from pipeline.provenance import version_changes
+from pipeline.reasons import nearest
 from pipeline.store import Store
 
 CHECKPOINT_INTERVAL = 60.0
@@ -103,7 +106,7 @@ def run(
     manifests: dict[int, Manifest] = {}
     outcomes: dict[int, Outcome] = {}
     for name, node in in_order(nodes):
-        inputs = input_entries(node, manifests)
+        inputs = input_entries(node.inputs, manifests)
         manifest, hit = _obtain(name, node, inputs, store, listen, checkpoint_interval)
         manifests[id(node)] = manifest
         outcomes[id(node)] = Outcome(
@@ -125,19 +128,26 @@ def _obtain(
     stage, key = node.stage.name, stated.key
     manifest = store.find(stated.ref)
     if manifest is None:
+        began = time.perf_counter()
         with store.writing(
             stated.ref, lambda holder: listen(StageWaiting(name, stage, key, holder))
         ) as work:
+            waited = time.perf_counter() - began
             manifest = store.find(stated.ref)
             if manifest is None:
                 from pipeline.execution import Task, execute
 
-                task = Task(name, node, stated, inputs, _expected_seconds(stated, store))
+                expected = _expected_seconds(stated, inputs, store)
+                task = Task(name, node, stated, inputs, expected, waited)
                 return execute(task, store, work, listen, checkpoint_interval), False
     listen(StageHit(name, stage, key))
+    if changes := version_changes(manifest.environment.get("versions", {})):
+        listen(StageWarned(name, stage, f"the stored result is of {', '.join(changes)}"))
     return manifest, True
 
 
-def _expected_seconds(stated: Statement, store: Store) -> float | None:
-    past = nearest(stated.stage, stated.config, stated.code, stated.inputs, store)
+def _expected_seconds(
+    stated: Statement, inputs: Mapping[str, InputEntry], store: Store
+) -> float | None:
+    past = nearest(stated, inputs, store)
     return past[0].seconds if past else None

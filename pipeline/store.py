@@ -58,7 +58,7 @@ class Workspace(Protocol):
 
 
 class Store(Protocol):
-    """What the engine needs of a store; ``StoreConformance`` in ``pipeline.testing`` tests it."""
+    """What the engine needs of a store; ``pipeline.testing.stores`` tests it."""
 
     def find(self, ref: Ref) -> Manifest | None:
         """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked.

@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.annotations import Unknown, alternatives, field_hints, item_hints
+from pipeline.annotations import alternatives, complete_field_hints, field_hints, item_hints
 from pipeline.canonical import is_structure
 from pipeline.errors import StoreError
 from pipeline.records import is_record_type
@@ -88,7 +88,8 @@ def read(record: type[R], reader: GroupReader) -> R:
         If the fields kept are not those of the record class.
     """
     kept = reader.description()["fields"]
-    hints = {name: hint for name, hint, _ in field_hints(record)}
+    complete = complete_field_hints(record)
+    hints = {name: complete[name] for name, _, _ in field_hints(record)}
     if kept.keys() != hints.keys():
         raise StoreError(
             f"the kept record has the fields {', '.join(kept)}, but {record.__name__} has "
@@ -154,6 +155,6 @@ def _read(kept: Any, hint: Any, reader: GroupReader) -> Any:
 
 def _class_named(name: str, hint: Any) -> type[Any]:
     for one in alternatives(hint):
-        if is_record_type(one) and not isinstance(one, Unknown) and one.__name__ == name:
+        if is_record_type(one) and one.__name__ == name:
             return one  # type: ignore[no-any-return]  # is_record_type is a plain predicate
     raise StoreError(f"a kept record is a {name}, but the field is declared as {hint}")

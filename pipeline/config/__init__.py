@@ -5,10 +5,8 @@ Examples
 >>> from pydantic import BaseModel, Field
 >>> class Film(BaseModel):
 ...     thickness: float = Field(gt=0, json_schema_extra={"unit": "mm"})
->>> class Workflow(BaseModel):
-...     film: Film
->>> load(Workflow, [{"film": {"thickness": 1}}], ["film.thickness=18 um"])
-Workflow(film=Film(thickness=0.018))
+>>> load(Film, [{"thickness": 1}], ["thickness=18 um"])
+Film(thickness=0.018)
 """
 
 from __future__ import annotations

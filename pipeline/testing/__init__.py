@@ -1,7 +1,7 @@
 """Helpers for the tests of stages and stores.
 
 :func:`interrupted_and_resumed` shows that a stage continues where it was stopped; a store
-implementation inherits ``StoreConformance`` of :mod:`pipeline.conformance`.
+implementation inherits ``StoreConformance`` of :mod:`pipeline.testing.stores`.
 """
 
 from __future__ import annotations

@@ -1,0 +1,184 @@
+"""What every store must do, as tests: a store implementation inherits :class:`StoreConformance`."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import StoreError
+from pipeline.events import Holder
+from pipeline.fingerprint import Fingerprint
+from pipeline.keys import Ref, Statement
+from pipeline.manifest import Manifest, content_ids, hash_files, whole_content
+from pipeline.store import Store, Workspace
+
+
+def example(stage: str = "geometry", gain: float = 1.0) -> Statement:
+    """Statement of a made-up artefact."""
+    return Statement(stage, {"gain": gain}, Fingerprint("0" * 40, {}), {})
+
+
+def manifest_of(statement: Statement, data: Path) -> Manifest:
+    """Manifest of the files in a data folder."""
+    files = hash_files(data)
+    parts = content_ids(files)
+    return Manifest(
+        stage=statement.stage,
+        key=statement.key,
+        config=statement.config,
+        code=statement.code.digest,
+        modules=statement.code.modules,
+        inputs={},
+        files=files,
+        parts=parts,
+        content=whole_content(parts),
+        seconds=1.5,
+        cpu_seconds=1.0,
+        peak_memory=0,
+        started="2024-01-01T00:00:00+00:00",
+        finished="2024-01-01T00:00:01+00:00",
+        environment={},
+    )
+
+
+def publish(store: Store, statement: Statement, contents: bytes = b"contents") -> Manifest:
+    """Publish an artefact of one file."""
+    with store.writing(statement.ref, lambda holder: None) as work:
+        work.begin(resume=False)
+        manifest = _written(work, statement, contents)
+        work.publish(manifest)
+    return manifest
+
+
+def _written(work: Workspace, statement: Statement, contents: bytes) -> Manifest:
+    (work.data / "record.h5").write_bytes(contents)
+    return manifest_of(statement, work.data)
+
+
+class StoreConformance:
+    """Inherit, give a fixture ``store``, and every store behaviour is tested."""
+
+    @pytest.fixture
+    def store(self, tmp_path: Path) -> Iterator[Store]:
+        """An empty store."""
+        raise TypeError("a test class for a store defines the fixture 'store'")
+
+    def test_an_empty_store_holds_nothing(self, store: Store) -> None:
+        assert store.find(example().ref) is None
+        assert list(store.refs()) == []
+
+    def test_the_manifest_of_an_absent_artefact_cannot_be_read(self, store: Store) -> None:
+        with pytest.raises(StoreError):
+            store.manifest(example().ref)
+
+    def test_a_published_artefact_is_found_as_it_was_written(self, store: Store) -> None:
+        manifest = publish(store, example())
+        assert store.find(manifest.ref) == manifest
+        assert (store.data(manifest.ref) / "record.h5").read_bytes() == b"contents"
+
+    def test_nothing_is_seen_before_it_is_published(self, store: Store) -> None:
+        with store.writing(example().ref, lambda holder: None) as work:
+            work.begin(resume=False)
+            manifest = _written(work, example(), b"contents")
+            assert store.find(example().ref) is None
+            assert list(store.refs()) == []
+            work.publish(manifest)
+            assert store.find(example().ref) is not None
+
+    def test_abandoned_work_is_never_seen(self, store: Store) -> None:
+        with store.writing(example().ref, lambda holder: None) as work:
+            work.begin(resume=False)
+            (work.data / "record.h5").write_bytes(b"half")
+        assert store.find(example().ref) is None
+
+    def test_work_begins_empty_unless_it_is_resumed(self, store: Store) -> None:
+        for resume, expected in ((False, []), (True, ["left"])):
+            with store.writing(example().ref, lambda holder: None) as work:
+                work.begin(resume=resume)
+                assert [path.name for path in work.data.iterdir()] == expected
+                (work.data / "left").write_bytes(b"")
+
+    def test_publishing_removes_the_checkpoint(self, store: Store) -> None:
+        with store.writing(example().ref, lambda holder: None) as work:
+            work.begin(resume=False)
+            work.checkpoint.parent.mkdir(parents=True)
+            work.checkpoint.write_bytes(b"state")
+            work.publish(_written(work, example(), b"contents"))
+            assert not work.checkpoint.exists()
+
+    def test_the_first_of_two_equal_artefacts_stays(self, store: Store) -> None:
+        first = publish(store, example(), b"first")
+        publish(store, example(), b"other")
+        assert store.find(first.ref) == first
+        assert store.verify(first.ref, full=True) == ()
+
+    def test_artefacts_are_listed_by_stage_and_key(self, store: Store) -> None:
+        refs = [publish(store, example(stage, gain)).ref for stage in "ba" for gain in (1.0, 2.0)]
+        assert list(store.refs()) == sorted(refs, key=lambda ref: (ref.stage, ref.key))
+        assert {ref.stage for ref in store.refs("a")} == {"a"}
+        assert list(store.refs("absent")) == []
+
+    def test_a_sound_artefact_has_no_problems(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        assert store.verify(ref) == ()
+        assert store.verify(ref, full=True) == ()
+
+    def test_an_artefact_with_a_shortened_file_is_never_used(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        (store.data(ref) / "record.h5").write_bytes(b"cont")
+        with pytest.raises(StoreError, match=r"record\.h5 has 4 bytes instead of 8"):
+            store.find(ref)
+
+    def test_an_artefact_with_a_lost_file_is_never_used(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        (store.data(ref) / "record.h5").unlink()
+        with pytest.raises(StoreError, match=r"record\.h5 is missing"):
+            store.find(ref)
+
+    def test_full_verification_finds_a_flipped_bit(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        (store.data(ref) / "record.h5").write_bytes(b"cOntents")
+        assert store.verify(ref) == ()
+        assert store.verify(ref, full=True) == ("the checksum of record.h5 is wrong",)
+
+    def test_full_verification_finds_a_foreign_file(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        (store.data(ref) / "foreign").write_bytes(b"")
+        assert store.verify(ref, full=True) == ("foreign does not belong to it",)
+
+    def test_a_second_writer_waits_and_learns_for_whom(self, store: Store) -> None:
+        ref = example().ref
+        waits: list[Holder] = []
+        waiting, entered = threading.Event(), threading.Event()
+
+        def on_wait(holder: Holder) -> None:
+            waits.append(holder)
+            waiting.set()
+
+        def second() -> None:
+            with store.writing(ref, on_wait):
+                entered.set()
+
+        with store.writing(ref, lambda holder: None):
+            other = threading.Thread(target=second)
+            other.start()
+            assert waiting.wait(timeout=30)
+            assert not entered.is_set()
+        other.join(timeout=30)
+        assert entered.is_set()
+        assert [holder.stage for holder in waits] == [ref.stage]
+
+    def test_writers_of_different_artefacts_do_not_wait(self, store: Store) -> None:
+        def refuse(holder: Holder) -> None:
+            raise AssertionError(f"waits for {holder}")
+
+        with (
+            store.writing(example(gain=1.0).ref, refuse),
+            store.writing(example(gain=2.0).ref, refuse) as work,
+        ):
+            work.begin(resume=False)
+            work.publish(_written(work, example(gain=2.0), b"contents"))
+        assert list(store.refs()) == [Ref("geometry", example(gain=2.0).key)]

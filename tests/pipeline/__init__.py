@@ -1,0 +1,1 @@
+"""Tests of the engine, on stages made up for the purpose."""

@@ -1,0 +1,363 @@
+"""A killed or interrupted run goes on from its checkpoint and ends with the same bytes."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pipeline import checkpoints, interrupts, storerun
+from pipeline.errors import StageError, StoreError
+from pipeline.events import Event, StageHit, StageStarted, StageWaiting, StageWarned
+from pipeline.manifest import hash_files
+from pipeline.nodes import Node, StageRun, stage
+from pipeline.runner import run
+from pipeline.store import LocalStore
+from tests.pipeline import toy
+
+Start = Callable[..., subprocess.Popen[str]]
+
+# Runs the wave slowly and prints each frame, so that the test can kill it at a known place.
+SLOW = """
+import sys
+from pipeline import storerun
+from pipeline.events import *
+from pipeline.runner import run
+from tests.pipeline.test_interruption import *
+storerun.PROGRESS_INTERVAL = 0.0
+def listen(event):
+    if isinstance(event, StageProgress):
+        print(event.done)
+    elif not isinstance(event, StageHit):
+        print(type(event).__name__, getattr(event, "holder", ""))
+save = storerun.StoreRun._save
+def save_at(self, state):
+    if self.histories["record"].frames_done in {saves}:
+        save(self, state)
+storerun.StoreRun._save = save_at
+run(plan(pause={pause}), LocalStore({store!r}), listen=listen, checkpoint_interval=0)
+"""
+
+
+def plan(pause: float = 0.0, **config: Any) -> dict[str, Node[Any]]:
+    film = toy.mesh(toy.MeshConfig())
+    return {"wave": toy.wave(toy.WaveConfig(pause=pause, **config), surface=film.part("surface"))}
+
+
+def slow(store: LocalStore, saves: str = "range(1000)", pause: float = 0.01) -> str:
+    return SLOW.format(store=str(store.path), saves=saves, pause=pause)
+
+
+def read_until(process: subprocess.Popen[str], line: str) -> list[str]:
+    assert process.stdout is not None
+    lines: list[str] = []
+    while not lines or not lines[-1].startswith(line):
+        text = process.stdout.readline()
+        assert text, f"{line!r} never came: {process.communicate()}"
+        lines.append(text.strip())
+    return lines
+
+
+def kill_at(frame: int, store: LocalStore, start: Start, saves: str = "range(1000)") -> None:
+    process = start(slow(store, saves))
+    read_until(process, str(frame))
+    process.send_signal(signal.SIGKILL)
+    process.wait(timeout=30)
+
+
+@pytest.fixture
+def unbroken(tmp_path: Path) -> LocalStore:
+    """A store with the result of an unbroken run."""
+    store = LocalStore(tmp_path / "unbroken")
+    run(plan(), store)
+    return store
+
+
+def assert_same_bytes(store: LocalStore, unbroken: LocalStore) -> None:
+    refs = list(unbroken.refs())
+    assert list(store.refs()) == refs
+    for ref in refs:
+        assert hash_files(store.data(ref)) == hash_files(unbroken.data(ref))
+        assert store.verify(ref, full=True) == ()
+
+
+def resumed_frames(store: LocalStore, **config: Any) -> int | None:
+    events: list[Event] = []
+    run(plan(**config), store, listen=events.append)
+    return next(e for e in events if isinstance(e, StageStarted)).resumed_frames
+
+
+@pytest.mark.parametrize("frame", [3, 64, 100])
+def test_a_killed_run_resumes_and_ends_with_the_same_bytes(
+    frame: int, store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    kill_at(frame, store, start)
+    resumed = resumed_frames(store)
+    # The frame that was printed is saved; the kill may come a few frames later.
+    assert resumed is not None
+    assert frame <= resumed < toy.FRAMES
+    assert_same_bytes(store, unbroken)
+    assert not any((store.path / "checkpoints").iterdir())
+    assert not any((store.path / "tmp").iterdir())
+
+
+def test_chunks_written_after_the_checkpoint_are_written_again(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    # The checkpoint falls inside the second chunk, which is complete when the kill comes.
+    kill_at(130, store, start, saves="[70]")
+    assert resumed_frames(store) == 70
+    assert_same_bytes(store, unbroken)
+
+
+def test_a_run_killed_twice_resumes_twice(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    kill_at(40, store, start)
+    kill_at(110, store, start)
+    assert (resumed_frames(store) or 0) >= 110
+    assert_same_bytes(store, unbroken)
+
+
+def test_a_kill_without_checkpoint_starts_anew(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    kill_at(100, store, start, saves="[]")
+    assert resumed_frames(store) is None
+    assert_same_bytes(store, unbroken)
+
+
+def test_a_waiting_process_names_the_holder_and_uses_its_result(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    first = start(slow(store))
+    read_until(first, "1")
+    second = start(slow(store))
+    waiting = read_until(second, "StageWaiting")
+    assert waiting[-1].startswith(f"StageWaiting process {first.pid} on ")
+    assert waiting[-1].endswith("(stage wave)")
+    assert first.wait(timeout=60) == 0
+    out, err = second.communicate(timeout=60)
+    assert (second.returncode, out) == (0, ""), err  # it computed nothing
+    assert_same_bytes(store, unbroken)
+
+
+def test_a_killed_holder_does_not_block_the_one_that_waits(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    first = start(slow(store))
+    read_until(first, "80")
+    second = start(slow(store, pause=0.0))
+    read_until(second, "StageWaiting")
+    first.send_signal(signal.SIGKILL)
+    out, err = second.communicate(timeout=60)
+    assert second.returncode == 0, err
+    assert out.split()[-2:] == [str(toy.FRAMES), "StageFinished"]
+    assert_same_bytes(store, unbroken)
+
+
+def test_an_interrupted_run_saves_where_it_is_and_resumes_there(
+    store: LocalStore, unbroken: LocalStore, start: Start
+) -> None:
+    # No checkpoint is due for an hour; Ctrl-C makes one.
+    process = start(slow(store).replace("checkpoint_interval=0", "checkpoint_interval=3600"))
+    read_until(process, "70")
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert "KeyboardInterrupt" in err
+    assert (resumed_frames(store) or 0) >= 70
+    assert_same_bytes(store, unbroken)
+
+
+def test_an_interrupt_is_deferred_only_where_checkpoints_are_made() -> None:
+    with interrupts.deferred_interrupts() as asked:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        asked.deferrable = True
+        signal.raise_signal(signal.SIGINT)
+        assert asked.requested
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@stage
+def interrupted(config: toy.MeshConfig) -> toy.Label:
+    raise KeyboardInterrupt
+
+
+def test_an_interrupt_frees_the_lock_and_leaves_nothing(store: LocalStore) -> None:
+    run({"mesh": toy.mesh(toy.MeshConfig())}, store)
+    node = interrupted(toy.MeshConfig())
+    for _ in range(2):  # the second one would hang on a lock that is still held
+        with pytest.raises(KeyboardInterrupt):
+            run({"x": node}, store)
+    assert not any((store.path / "tmp").iterdir())
+    assert [ref.stage for ref in store.refs()] == ["mesh"]
+
+
+FAILURES = {"left": 1}
+
+
+@stage
+def flaky(config: toy.WaveConfig, *, run: StageRun) -> toy.Wave:
+    """Fails the first time, at frame 100, as a machine without memory would."""
+    history = run.stream(toy.Wave, frames=120, shapes={"potential": (1,), "energy": ()})
+    saved = run.resume()
+    total = np.zeros(1) if saved is None else saved["total"]
+    if saved is not None:
+        run.note("resumed_at", history.frames_done)
+    for frame in range(history.frames_done, 120):
+        np.add(total, frame, out=total)
+        if frame == 100 and FAILURES["left"]:
+            FAILURES["left"] -= 1
+            raise MemoryError("no memory left")
+        history.append(potential=total, energy=0.0)
+        run.checkpoint(lambda: {"total": total})
+    return history.finish(time=np.arange(120.0))
+
+
+def test_a_failure_in_mid_step_never_spoils_the_checkpoint(store: LocalStore) -> None:
+    # The state is already that of frame 100 when the failure comes; saving it then would be wrong.
+    FAILURES["left"] = 1
+    with pytest.raises(StageError, match="no memory left"):
+        run({"x": flaky(toy.WaveConfig())}, store, checkpoint_interval=0.0)
+    outcome = run({"x": flaky(toy.WaveConfig())}, store)["x"]
+    assert outcome.manifest.notes == {"resumed_at": 100}
+    expected = np.cumsum(np.arange(120.0))
+    np.testing.assert_array_equal(outcome.load().potential[:, 0], expected.astype("float32"))
+
+
+def test_a_full_disk_keeps_what_was_saved_before(
+    store: LocalStore, unbroken: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real_save = checkpoints.Checkpoint.save
+
+    def save(self: checkpoints.Checkpoint, path: Path) -> None:
+        if self.streams["record"].frames_done > 100:
+            monkeypatch.setattr("os.fsync", full)
+        real_save(self, path)
+
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(checkpoints.Checkpoint, "save", save)
+    with pytest.raises(StoreError, match="no space left"):
+        run(plan(), store, checkpoint_interval=0.0)
+    monkeypatch.undo()
+    assert len(list((store.path / "checkpoints").glob("*/*"))) == 1  # no half-written one
+    assert resumed_frames(store) == 100
+    assert_same_bytes(store, unbroken)
+
+
+def interrupted_at_100(store: LocalStore, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Leave a checkpoint of 100 frames behind; its file."""
+    real_progress = storerun.StoreRun.progress
+
+    def progress(self: storerun.StoreRun, done: int, total: int) -> None:
+        real_progress(self, done, total)
+        if done == 100:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(storerun.StoreRun, "progress", progress)
+        with pytest.raises(KeyboardInterrupt):
+            run(plan(), store, checkpoint_interval=0.0)
+    (checkpoint,) = (store.path / "checkpoints").glob("*/state.npz")
+    return checkpoint
+
+
+def load_checkpoint(checkpoint: Path, data: Path) -> checkpoints.Checkpoint:
+    found = checkpoints.Checkpoint.load(checkpoint, checkpoint.parent.name, data)
+    assert found is not None
+    return found
+
+
+def spoil_versions(checkpoint: Path, data: Path) -> None:
+    found = load_checkpoint(checkpoint, data)
+    past = {**found.versions, "numpy": "1.0"}
+    checkpoints.Checkpoint(**{**vars(found), "versions": past}).save(checkpoint)
+
+
+def spoil_contents(checkpoint: Path, data: Path) -> None:
+    contents = bytearray(checkpoint.read_bytes())
+    contents[len(contents) // 2] ^= 0xFF
+    checkpoint.write_bytes(contents)
+
+
+def spoil_length(checkpoint: Path, data: Path) -> None:
+    checkpoint.write_bytes(checkpoint.read_bytes()[:-100])
+
+
+def spoil_key(checkpoint: Path, data: Path) -> None:
+    found = load_checkpoint(checkpoint, data)
+    checkpoints.Checkpoint(**{**vars(found), "key": "another"}).save(checkpoint)
+
+
+def spoil_chunk(checkpoint: Path, data: Path) -> None:
+    chunk = data / "record.zarr" / "potential" / "c" / "0" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:-1])
+
+
+def spoil_data(checkpoint: Path, data: Path) -> None:
+    (data / "record.zarr" / "energy" / "c" / "0").unlink()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "reason"),
+    [
+        (spoil_versions, "saved with other versions of numpy"),
+        (spoil_contents, "cannot be read"),
+        (spoil_length, "cannot be read"),
+        (spoil_key, "belongs to another result"),
+        (spoil_chunk, "missing or damaged"),
+        (spoil_data, "missing or damaged"),
+    ],
+)
+def test_an_unusable_checkpoint_is_discarded_with_a_warning(
+    spoil: Callable[[Path, Path], None],
+    reason: str,
+    store: LocalStore,
+    unbroken: LocalStore,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    checkpoint = interrupted_at_100(store, monkeypatch)
+    spoil(checkpoint, store.path / "tmp" / checkpoint.parent.name / "data")
+    events: list[Event] = []
+    run(plan(), store, listen=events.append)
+    assert [reason in e.message for e in events if isinstance(e, StageWarned)] == [True]
+    assert [e.resumed_frames for e in events if isinstance(e, StageStarted)] == [None]
+    assert_same_bytes(store, unbroken)
+
+
+def test_the_duration_counts_the_work_before_the_interruption(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checkpoint = interrupted_at_100(store, monkeypatch)
+    found = load_checkpoint(checkpoint, store.path / "tmp" / checkpoint.parent.name / "data")
+    checkpoints.Checkpoint(**{**vars(found), "seconds": 1e6, "cpu_seconds": 2e6}).save(checkpoint)
+    manifest = run(plan(), store)["wave"].manifest
+    assert manifest.seconds > 1e6
+    assert manifest.cpu_seconds > 2e6
+
+
+def test_a_checkpoint_of_other_code_or_config_is_never_used(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interrupted_at_100(store, monkeypatch)
+    assert resumed_frames(store, gain=2.0) is None
+
+
+def test_a_finished_stage_is_a_hit_after_a_later_interrupt(store: LocalStore) -> None:
+    run(plan(), store)
+    events: list[Event] = []
+    nodes = {**plan(), "x": interrupted(toy.MeshConfig())}
+    with pytest.raises(KeyboardInterrupt):
+        run(nodes, store, listen=events.append)
+    assert [event.stage for event in events if isinstance(event, StageHit)] == ["mesh", "wave"]
+    assert not any(isinstance(event, StageWaiting) for event in events)

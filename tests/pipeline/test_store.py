@@ -1,0 +1,205 @@
+"""The local store: whole artefacts or none, one writer at a time, plain words for disk trouble."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline import durable
+from pipeline.errors import InputError, StoreError
+from pipeline.keys import SCHEMA
+from pipeline.runner import run
+from pipeline.store import LocalStore
+from pipeline.testing.stores import StoreConformance, example, publish
+from tests.pipeline import toy
+
+
+class TestLocalStore(StoreConformance):
+    @pytest.fixture
+    def store(self, tmp_path: Path) -> LocalStore:
+        return LocalStore(tmp_path / "store")
+
+
+class TestLocalStoreWithoutFileLocks(StoreConformance):
+    """On a file system without locks double work is harmless; nobody waits."""
+
+    @pytest.fixture
+    def store(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> LocalStore:
+        def flock(descriptor: int, operation: int) -> None:
+            raise OSError(errno.ENOLCK, "No locks available")
+
+        monkeypatch.setattr(fcntl, "flock", flock)
+        return LocalStore(tmp_path / "store")
+
+    test_a_second_writer_waits_and_learns_for_whom: Any = None
+
+
+def test_asking_an_absent_store_creates_nothing(tmp_path: Path) -> None:
+    store = LocalStore(tmp_path / "store")
+    assert store.find(example().ref) is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_layout_is_the_documented_one(store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    files = {p.relative_to(store.path).as_posix() for p in store.path.rglob("*") if p.is_file()}
+    assert files == {
+        "store.json",
+        f"locks/{ref.key}",
+        f"objects/geometry/{ref.key}/manifest.json",
+        f"objects/geometry/{ref.key}/data/record.h5",
+    }
+
+
+def test_a_store_path_that_is_a_file_is_bad_input(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(InputError, match="file is a file") as caught:
+            LocalStore(path)
+        assert caught.value.exit_code == 2
+
+
+def test_a_store_of_a_newer_version_is_bad_input(store: LocalStore) -> None:
+    publish(store, example())
+    (store.path / "store.json").write_text(json.dumps({"version": SCHEMA + 1}))
+    with pytest.raises(InputError, match=f"layout version {SCHEMA + 1}"):
+        LocalStore(store.path)
+
+
+def test_a_store_with_an_unreadable_description_is_refused(store: LocalStore) -> None:
+    publish(store, example())
+    (store.path / "store.json").write_text("{")
+    with pytest.raises(StoreError, match=r"store\.json"):
+        LocalStore(store.path)
+
+
+def test_an_unreadable_manifest_is_never_used(store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    path = store.data(ref).parent / "manifest.json"
+    for contents in (b"{", b"[]", b'{"stage": "geometry"}'):
+        path.write_bytes(contents)
+        with pytest.raises(StoreError, match="unreadable manifest"):
+            store.find(ref)
+
+
+def test_full_verification_finds_a_forged_statement(store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    path = store.data(ref).parent / "manifest.json"
+    path.write_text(path.read_text().replace('"gain": 1.0', '"gain": 2.0'))
+    assert store.verify(ref, full=True) == ("its key is not that of its statement",)
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [(errno.ENOSPC, "no space left"), (errno.EACCES, "no permission"), (errno.EIO, "cannot be")],
+)
+def test_disk_trouble_while_publishing_is_told_and_leaves_nothing(
+    code: int, message: str, store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fsync(descriptor: int) -> None:
+        raise OSError(code, os.strerror(code))
+
+    run({"mesh": toy.mesh(toy.MeshConfig())}, store)
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(StoreError, match=message) as caught:
+        run({"mesh": toy.mesh(toy.MeshConfig(height=2.0))}, store)
+    assert str(store.path) in str(caught.value)
+    assert list((store.path / "tmp").iterdir()) == []
+    assert len(list(store.refs())) == 1
+
+
+@pytest.mark.parametrize("target", ["pipeline.codecs.hdf5_codec.save", "zarr.Array.__setitem__"])
+def test_a_full_disk_while_writing_data_is_told_and_leaves_nothing(
+    target: str, store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: Any) -> None:
+        raise OSError("Can't synchronously write data (file write failed: errno = 28)")
+
+    run({"mesh": toy.mesh(toy.MeshConfig())}, store)
+    monkeypatch.setattr(target, full)
+    surface = toy.mesh(toy.MeshConfig(height=1.0 if "zarr" in target else 2.0)).part("surface")
+    with pytest.raises(StoreError, match=r"(?s)no space left.*MB free.*Remedy: free some space"):
+        run({"wave": toy.wave(toy.WaveConfig(), surface=surface)}, store, checkpoint_interval=1e9)
+    assert list((store.path / "tmp").iterdir()) == []
+
+
+def test_atomic_writing_replaces_all_or_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "file"
+    durable.write_atomically(path, b"old")
+
+    def fsync(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "full")
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    with pytest.raises(OSError, match="full"):
+        durable.write_atomically(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_everything_is_on_the_disk_before_the_artefact_appears(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    synced: list[str] = []
+    real_fsync, real_rename = os.fsync, os.rename
+
+    def fsync(descriptor: int) -> None:
+        synced.append(os.readlink(f"/proc/self/fd/{descriptor}"))
+        real_fsync(descriptor)
+
+    def rename(source: Any, target: Any) -> None:
+        work = Path(source)
+        needed = {str(work), *(str(path) for path in work.rglob("*"))}
+        assert needed <= set(synced)
+        synced.append("renamed")
+        real_rename(source, target)
+
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("needs the process file system to see which file is synced")
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(os, "rename", rename)
+    manifest = publish(store, example())
+    parent = str(store.data(manifest.ref).parent.parent)
+    assert parent in synced[synced.index("renamed") :]
+
+
+def test_a_store_that_may_only_be_read_serves_its_hits(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = toy.mesh(toy.MeshConfig())
+    run({"mesh": node}, store)
+
+    def refuse(*arguments: Any, **named: Any) -> Any:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr(os, "mkdir", refuse)
+    monkeypatch.setattr(os, "replace", refuse)
+    assert run({"mesh": node}, LocalStore(store.path))["mesh"].hit
+
+
+def test_a_lock_is_held_by_one_process_and_names_it(
+    store: LocalStore, start: Callable[..., Any]
+) -> None:
+    publish(store, example())
+    code = (
+        "import sys, time\nfrom pathlib import Path\nfrom pipeline.locks import locked\n"
+        f"with locked(Path({str(store.path / 'locks' / 'k')!r}), 'mesh', print):\n"
+        "    print('held'); time.sleep(60)"
+    )
+    holder = start(code)
+    assert holder.stdout.readline() == "held\n"
+    waiter = start(code)
+    waits_for = f"process {holder.pid} on {platform.node()} (stage mesh)\n"
+    assert waiter.stdout.readline() == waits_for
+    holder.kill()
+    assert waiter.stdout.readline() == "held\n"
