@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, Literal
@@ -48,7 +48,7 @@ def told(
         place = locate(model, data, item["loc"])
         if place.path not in known:
             found.setdefault(_head(place, item), {})[_words(place, item, model)] = None
-    return [*known.values(), *(f"{head}{' or '.join(words)}" for head, words in found.items())]
+    return [*known.values(), *(f"{head}{_joined(words)}" for head, words in found.items())]
 
 
 def locate(model: type[BaseModel], data: Any, loc: Sequence[int | str]) -> Place:
@@ -108,7 +108,8 @@ def _words(place: Place, item: ErrorDetails, root: type[BaseModel]) -> str:
         names = str(context["allowed"]).split(", ")
         return f"choose one of: {', '.join(names)}{nearest(str(context['given']), names)}"
     if kind == "literal_error":
-        return _one_of(place.declared.literals(), item["input"])
+        literals = [str(value) for value in place.declared.literals()]
+        return f"must be {expected(place.declared)}{nearest(str(item['input']), literals)}"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         tags = str(context.get("expected_tags", "")).replace("'", "")
         near = nearest(str(context.get("tag", "")), tags.split(", "))
@@ -157,11 +158,6 @@ def _length(member: Declared) -> str:
     return f"{len(arguments)} " if fixed and arguments else ""
 
 
-def _one_of(allowed: Sequence[Any], given: Any) -> str:
-    near = nearest(str(given), [str(value) for value in allowed])
-    return f"must be one of: {', '.join(_shown(value) for value in allowed)}{near}"
-
-
 def _unknown_key(place: Place, root: type[BaseModel]) -> str:
     section, _, name = place.path.rpartition(".")
     valid = list(place.owner.model_fields) if place.owner is not None else []
@@ -179,6 +175,12 @@ def _all_names(model: type[BaseModel], path: str = "") -> Iterator[str]:
         if tuple not in declared.origins():
             for section in declared.models():
                 yield from _all_names(section, inner)
+
+
+def _joined(words: Collection[str]) -> str:
+    """What the members of a union have to say; what another one says more fully is left out."""
+    kept = [one for one in words if not any(o != one and o.startswith(one) for o in words)]
+    return " or ".join(kept)
 
 
 def _whole_list(item: ErrorDetails) -> ErrorDetails:

@@ -87,7 +87,7 @@ def _convert(data: Any, declared: Declared, path: str, problems: dict[str, str])
             for i, value in enumerate(data)
         ]
         return tuple(items) if tuple in declared.origins() else items
-    if isinstance(data, str) and declared.unit and not {str, Literal} & set(declared.origins()):
+    if isinstance(data, str) and declared.unit and data not in declared.literals():
         return _number(data, declared, path, problems)
     return data
 
@@ -96,10 +96,11 @@ def _number(text: str, declared: Declared, path: str, problems: dict[str, str]) 
     try:
         value = to_unit(text, declared.unit)
     except NoQuantity as reason:
-        problems[path] = (
-            f'{path} = "{text}": expected a number in {declared.unit}, or a text with a unit that '
-            f"converts to {declared.unit}; {reason}"
-        )
+        if not {str, Literal} & set(declared.origins()):  # no other text is allowed
+            problems[path] = (
+                f'{path} = "{text}": expected a number in {declared.unit}, or a text with a unit '
+                f"that converts to {declared.unit}; {reason}"
+            )
         return text
     whole = float not in declared.origins() and value.is_integer()
     return int(value) if whole else value

@@ -180,6 +180,12 @@ def test_a_record_of_other_fields_is_not_read_wrongly(tmp_path: Path) -> None:
         load(tmp_path, Grown)
 
 
+def test_a_chunk_of_fill_values_is_written_like_any_other(tmp_path: Path) -> None:
+    # A chunk that is not there would read the same, so a lost one could not be told from it.
+    save(tmp_path, LazyTable(**{**values(), "points": np.full((4, 3), np.nan)}))
+    assert (tmp_path / "record.zarr" / "points" / "c" / "0" / "0").is_file()
+
+
 def test_a_flipped_bit_in_a_chunk_does_not_pass(tmp_path: Path) -> None:
     save(tmp_path, LazyTable(**values()))
     chunk = tmp_path / "record.zarr" / "points" / "c" / "0" / "0"

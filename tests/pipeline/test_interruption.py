@@ -346,6 +346,18 @@ def test_the_duration_counts_the_work_before_the_interruption(
     assert manifest.cpu_seconds > 2e6
 
 
+def test_files_left_half_written_never_get_into_the_artefact(
+    store: LocalStore, unbroken: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checkpoint = interrupted_at_100(store, monkeypatch)
+    group = store.path / "tmp" / checkpoint.parent.name / "data" / "record.zarr"
+    (group / "potential" / "c" / "1").mkdir(exist_ok=True)
+    (group / "potential" / "c" / "1" / "0.partial").write_bytes(b"half")
+    (group / "zarr.json").write_bytes(b"{")
+    assert resumed_frames(store) == 100
+    assert_same_bytes(store, unbroken)
+
+
 def test_a_checkpoint_of_other_code_or_config_is_never_used(
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
