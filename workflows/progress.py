@@ -56,24 +56,25 @@ class PlainLines:
     ) -> None:
         self._say = say
         self._clock = clock
-        self._last = (0.0, 0.0)
+        self._last: tuple[float, float] | None = None
 
     def __call__(self, event: Event) -> None:
         """Tell one event."""
         if isinstance(event, StageStarted):
-            self._last = (self._clock(), 0.0)
+            self._last = None
         if isinstance(event, StageProgress):
             self._progress(event)
         elif line := told(event):
             self._say(line)
 
     def _progress(self, event: StageProgress) -> None:
+        """The first event only starts the clock: compiling may come before it."""
         now, share = self._clock(), event.done / event.total
-        if now - self._last[0] < SECONDS_BETWEEN_LINES or event.done == event.total:
+        begun, begun_share = self._last = self._last or (now, share)
+        if now - begun < SECONDS_BETWEEN_LINES or share - begun_share < SHARE_BETWEEN_LINES:
             return
-        if share - self._last[1] < SHARE_BETWEEN_LINES:
+        if event.done == event.total:
             return
-        begun, begun_share = self._last
         left = (1 - share) * (now - begun) / (share - begun_share)
         self._last = (now, share)
         self._say(f"{event.node}: {share:.0%}, about {duration(left)} left")

@@ -62,6 +62,17 @@ def test_the_time_left_follows_the_present_speed() -> None:
     assert lines[-1] == "m: 75%, about 20 s left"
 
 
+def test_the_time_before_the_first_step_is_not_taken_for_slowness() -> None:
+    lines: list[str] = []
+    clock = Clock()
+    listen = PlainLines(lines.append, clock)
+    listen(StageStarted("m", "m", "k"))
+    for now, done in ((60.0, 1), (80.0, 21)):  # a minute of compiling, then one step a second
+        clock.now = now
+        listen(StageProgress("m", "m", done, 100, now))
+    assert lines == ["m: started", "m: 21%, about 1 min 19 s left"]
+
+
 def test_an_expectation_is_told_at_the_start() -> None:
     lines: list[str] = []
     PlainLines(lines.append)(StageStarted("m", "m", "k", expected_seconds=200.0))

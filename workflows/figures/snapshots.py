@@ -22,7 +22,7 @@ POTENTIAL = Normalize(-80.0, 20.0)
 """Common colour scale, mV: from rest to the peak of the action potential."""
 
 COLOURS = colormaps["viridis"]
-QUADS_ALONG = 72
+QUADS_ALONG = 120
 COLUMNS = 3
 
 
@@ -37,12 +37,14 @@ def write(experiment: Experiment, folder: Path) -> None:
     potentials = [grid.cell_field(cells.at(t)) for t in times]
     box = _common_box([grid.reference, *shapes])
     rows = -(-len(times) // COLUMNS)
-    with drawing(10.4, 0.5 + 2.9 * rows) as figure:
+    with drawing(10.4, 0.2 + 2.4 * rows) as figure:
         for i, t in enumerate(times):
             axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
             _draw_film(axes, grid.reference, shapes[i], potentials[i], box)
-            axes.set_title(f"({'abcdefgh'[i]})  t = {t:g} ms", y=0.97, color=INK)
-        figure.subplots_adjust(left=0.0, right=0.9, bottom=0.01, top=0.95, wspace=0.0, hspace=0.06)
+            if i == 0:
+                _draw_measures(axes, grid.reference)
+            axes.set_title(f"({'abcdefgh'[i]})  t = {t:g} ms", y=0.9, color=INK)
+        figure.subplots_adjust(left=0.0, right=0.9, bottom=0.0, top=1.0, wspace=0.0, hspace=0.0)
         bar = figure.add_axes((0.925, 0.2, 0.014, 0.6))
         scale = ScalarMappable(POTENTIAL, COLOURS)
         figure.colorbar(scale, cax=bar, label="transmembrane potential $v$ [mV]", extend="both")
@@ -89,9 +91,24 @@ def _draw_film(
     axes.plot(*shape[0].T, color=INK, lw=3.0, zorder=3, clip_on=False)  # the clamp
     low, high = box
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.25)
+    # A box is drawn with a fixed diagonal; the zoom undoes that, so that all films are equally long.
+    size = high - low
+    axes.set_box_aspect(size, zoom=1.04 * np.linalg.norm(size) / np.linalg.norm(size[:2]))
     axes.view_init(elev=24, azim=-62)
     axes.set_axis_off()
+
+
+def _draw_measures(axes: Axes3D, reference: Array) -> None:
+    """Directions, a length of 1 mm, and which edge is clamped, in the plane of the film at rest."""
+    corner, far = reference[0, 0], reference[-1, -1]
+    bar = corner + np.array([[0.0, -0.3, 0.0], [1.0, -0.3, 0.0]])
+    axes.plot(*bar.T, color=INK, lw=1.6, clip_on=False)
+    look = {"color": INK, "fontsize": 9, "ha": "center", "va": "center"}
+    middle = 0.5 * (corner + far)
+    axes.text(corner[0] + 0.6, corner[1] - 0.58, corner[2], "1 mm", **look)
+    axes.text(middle[0] + 0.5, corner[1] - 0.35, corner[2], "$X$", **look)
+    axes.text(far[0] + 0.3, middle[1], far[2], "$Y$", **look)
+    axes.text(corner[0] - 0.6, middle[1] + 0.45, corner[2], "clamped", **look)
 
 
 def _common_box(shapes: list[Array]) -> tuple[Array, Array]:
