@@ -106,7 +106,9 @@ class StoredHistory(Generic[R]):
                     f"frames of {name!r} have shape {tuple(shape)}, but its axes are {axes}"
                 )
             unit = str(extra.get("unit", ""))
-            self._arrays[name] = create_array(self._group, name, whole, dtypes[name], unit, axes)
+            self._arrays[name] = create_array(
+                self._group, name, whole, dtypes[name], unit, axes, FRAMES_PER_CHUNK
+            )
             self._buffers[name] = np.zeros((FRAMES_PER_CHUNK, *shape), dtypes[name])
 
     def _write(self, rows: int) -> None:

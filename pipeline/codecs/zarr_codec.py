@@ -21,6 +21,9 @@ from pipeline.runs import FRAMES_PER_CHUNK
 
 R = TypeVar("R")
 
+SMALL, LARGE = 1 << 20, 1 << 24
+"""Bytes of an array that is kept in one chunk, and of a chunk of a larger one."""
+
 # Several threads append their blocks in the order in which they finish: the bytes would vary.
 numcodecs.blosc.use_threads = False
 
@@ -47,11 +50,12 @@ def create_array(
     dtype: np.dtype[Any],
     unit: str,
     axes: tuple[str, ...],
+    rows: int,
 ) -> zarr.Array[Any]:
-    """Empty array of a group, chunked by frames if its first axis is ``"time"``."""
+    """Empty array of a group, in chunks of whole rows."""
     chunks = tuple(max(1, length) for length in shape)
-    if axes[:1] == ("time",):
-        chunks = (min(FRAMES_PER_CHUNK, chunks[0]), *chunks[1:])
+    if chunks:
+        chunks = (min(rows, chunks[0]), *chunks[1:])
     return group.create_array(
         name,
         shape=shape,
@@ -65,6 +69,15 @@ def create_array(
     )
 
 
+def _rows_per_chunk(values: NDArray[Any], axes: tuple[str, ...]) -> int:
+    """All rows of a small array; otherwise frames as in a stream, or rows of some megabytes."""
+    if values.nbytes <= SMALL:
+        return max(1, len(values)) if values.ndim else 1
+    if axes[:1] == ("time",):
+        return FRAMES_PER_CHUNK
+    return max(1, LARGE * len(values) // values.nbytes)
+
+
 @dataclass(frozen=True)
 class GroupWriter:
     """Writer of a zarr group."""
@@ -73,8 +86,13 @@ class GroupWriter:
 
     def array(self, name: str, values: NDArray[Any], unit: str, axes: tuple[str, ...]) -> None:
         """Store an array."""
-        stored = create_array(self.place, name, values.shape, values.dtype, unit, axes)
-        stored[...] = values
+        rows = _rows_per_chunk(values, axes)
+        stored = create_array(self.place, name, values.shape, values.dtype, unit, axes, rows)
+        if values.ndim == 0:
+            stored[...] = values
+        # One chunk at a time: of chunks written together, only the first failure could be told.
+        for start in range(0, len(values) if values.ndim else 0, rows):
+            stored[start : start + rows] = values[start : start + rows]
 
     def group(self, name: str) -> GroupWriter:
         """Begin a group inside this one."""

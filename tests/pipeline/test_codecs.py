@@ -186,6 +186,29 @@ def test_a_chunk_of_fill_values_is_written_like_any_other(tmp_path: Path) -> Non
     assert (tmp_path / "record.zarr" / "points" / "c" / "0" / "0").is_file()
 
 
+@pytest.mark.parametrize(
+    ("axes", "shape", "chunks"),
+    [
+        (("time",), (3000,), (3000,)),
+        (("time", "point"), (100, 2000), (64, 2000)),
+        (("point", "xyz"), (1_000_000, 3), (2**24 // 24, 3)),
+    ],
+)
+def test_small_arrays_are_one_chunk_and_large_ones_chunks_of_rows(
+    axes: tuple[str, ...], shape: tuple[int, ...], chunks: tuple[int, ...], tmp_path: Path
+) -> None:
+    @dataclass(frozen=True)
+    class Large:
+        stored_as: ClassVar[str] = "zarr"
+        values: NDArray[np.float64] = field(metadata={"axes": axes})
+
+    values = np.arange(float(np.prod(shape))).reshape(shape)
+    save(tmp_path, Large(values))
+    found: Any = load(tmp_path, Large).values
+    assert found.chunks == chunks
+    np.testing.assert_array_equal(found[...], values, strict=True)
+
+
 def test_a_flipped_bit_in_a_chunk_does_not_pass(tmp_path: Path) -> None:
     save(tmp_path, LazyTable(**values()))
     chunk = tmp_path / "record.zarr" / "points" / "c" / "0" / "0"
