@@ -1,0 +1,122 @@
+"""The stage: records in and out, a stopped run that goes on, inputs that do not fit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from pipeline.memory import MemoryRun, Stopped
+from stages.artefacts import Laminate, Layer, MidSurface, StressSamples
+from stages.mechanics.config import MechanicsConfig
+from stages.mechanics.stage import mechanics
+from tests.mechanics import films
+
+SURFACE = MidSurface(films.flat((6, 2)))
+FIELDS: dict[str, Any] = {
+    "elements": (6, 2),
+    "degree": 2,
+    "n_steps": 8,
+    "duration": 40.0,
+    "spectral_radius": 0.5,
+    "damping": 0.8,
+    "stiffness_damping": 0.0,
+    "support": "clamped",
+    "substrate": films.PDMS,
+    "active": films.MUSCLE,
+}
+POINTS = 18 * 6
+
+
+def config(**changes: Any) -> MechanicsConfig:
+    return MechanicsConfig(**{**FIELDS, **changes})
+
+
+def samples(steps: int = 8, duration: float = 40.0, points: int = POINTS) -> StressSamples:
+    """A stress that rises from 0 to 4 kPa, more on one side of the film."""
+    time = np.linspace(0.0, duration, steps + 1)
+    side = np.linspace(0.5, 1.0, points)
+    return StressSamples(time, 4.0 * (time / duration)[:, None] * side)
+
+
+def test_the_motion_starts_at_rest_and_has_a_frame_for_every_step() -> None:
+    motion = mechanics.compute(config(), SURFACE, films.two_layers(), samples())
+    np.testing.assert_allclose(motion.time, np.arange(9) * 5.0, rtol=1e-15)
+    displacement = np.asarray(motion.displacement)
+    assert displacement.shape == (9, SURFACE.patch.size, 3)
+    assert not displacement[0].any()
+    assert np.asarray(motion.kinetic_energy)[0] == 0.0
+    assert np.all(np.diff(np.asarray(motion.strain_energy)) > 0)  # it bends more and more
+    assert np.all(np.asarray(motion.newton_iterations)[1:] >= 2)
+    assert not displacement.reshape(9, 8, 4, 3)[:, :2].any()  # the clamp
+
+
+def test_muscle_on_top_lifts_the_free_end() -> None:
+    motion = mechanics.compute(config(), SURFACE, films.two_layers(angle=0.0), samples())
+    tip = np.asarray(motion.displacement)[-1].reshape(8, 4, 3)[-1]
+    assert np.all(tip[:, 2] > 0.01)
+    assert np.all(tip[:, 0] < 0)
+
+
+def test_a_stopped_run_goes_on_to_the_same_bits() -> None:
+    whole = mechanics.compute(config(), SURFACE, films.two_layers(), samples())
+    run = MemoryRun(stop_after=4)
+    arguments = config(), SURFACE, films.two_layers(), samples()
+    with pytest.raises(Stopped):
+        mechanics.compute(*arguments, run=run)
+    resumed = mechanics.compute(*arguments, run=run)
+    for name in ("displacement", "velocity", "acceleration", "strain_energy", "newton_iterations"):
+        np.testing.assert_array_equal(
+            np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name))
+        )
+
+
+def test_a_step_taken_in_parts_is_told_and_counted() -> None:
+    time = np.arange(9) * 5.0
+    jump = StressSamples(time, np.where(time > 20.0, 9.0, 0.0)[:, None] * np.ones(POINTS))
+    run = MemoryRun()
+    mechanics.compute(config(max_iterations=4), SURFACE, films.two_layers(), jump, run=run)
+    assert run.notes["halved_steps"] >= 1
+    assert "time step 5 (to t = 25 ms) converged only in parts of" in run.warnings[0]
+    assert run.steps[-1] == (8, 8)
+
+
+def test_a_mesh_that_is_not_the_configured_one_is_refused() -> None:
+    with pytest.raises(ValueError, match="6 x 2 elements of degree 2, but mechanics is configured"):
+        mechanics.compute(config(elements=(7, 2)), SURFACE, films.two_layers(), samples())
+
+
+def test_a_stress_on_other_times_is_refused() -> None:
+    with pytest.raises(ValueError, match="9 times from 0 to 30 ms, but the mechanics steps"):
+        mechanics.compute(config(), SURFACE, films.two_layers(), samples(duration=30.0))
+
+
+def test_a_stress_at_other_points_is_refused() -> None:
+    with pytest.raises(ValueError, match="given at 48 points, but the shell integrates over 108"):
+        mechanics.compute(config(), SURFACE, films.two_layers(), samples(points=48))
+
+
+def test_a_film_without_muscle_is_refused() -> None:
+    dead = Laminate((Layer("substrate", 0.018, 0.0, active=False),))
+    with pytest.raises(ValueError, match="no layer of the film is active"):
+        mechanics.compute(config(), SURFACE, dead, samples())
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("degree", 1),
+        ("n_steps", 0),
+        ("duration", -1.0),
+        ("spectral_radius", 1.5),
+        ("damping", -0.1),
+        ("support", "hinged"),
+        ("substrate", "rubber"),
+        ("max_halvings", -1),
+    ],
+)
+def test_a_bad_value_is_refused_by_name(field: str, value: Any) -> None:
+    with pytest.raises(ValidationError, match=field):
+        config(**{field: value})
