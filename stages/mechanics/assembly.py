@@ -9,7 +9,7 @@ import numpy as np
 from stages.mechanics.discretisation import Basis, shape_derivatives
 from stages.mechanics.kinematics import Frames
 from stages.mechanics.resultants import Resultants
-from stages.numerics.compiled import kernel
+from stages.numerics.compiled import inlined, kernel
 
 
 def half_bandwidth(basis: Basis) -> int:
@@ -126,6 +126,41 @@ def _rows(
             right[8, i], right[9, i] = w * v1, w * v2
 
 
+@inlined
+def _column(rows: Any, i: int) -> tuple[float, ...]:
+    """One column of a (10, dof) array, as constants of the loop that uses them."""
+    return (
+        rows[0, i],
+        rows[1, i],
+        rows[2, i],
+        rows[3, i],
+        rows[4, i],
+        rows[5, i],
+        rows[6, i],
+        rows[7, i],
+        rows[8, i],
+        rows[9, i],
+    )
+
+
+@inlined
+def _add_node(left: Any, right: Any, i: int, element: Any) -> None:
+    """Add rows i to i + 2 of sum_k left_k (x) right_k, from the diagonal on.
+
+    Three rows at once, so that each entry of ``right`` is loaded for three products.
+    """
+    a, b, c = _column(left, i), _column(left, i + 1), _column(left, i + 2)
+    for j in range(i, right.shape[1]):
+        s0 = s1 = s2 = 0.0
+        for k in range(10):
+            s0 += a[k] * right[k, j]
+            s1 += b[k] * right[k, j]
+            s2 += c[k] * right[k, j]
+        element[i, j] += s0
+        element[i + 1, j] += s1
+        element[i + 2, j] += s2
+
+
 @kernel
 def assemble_stiffness(
     basis: Basis, weights: Any, frames: Frames, resultants: Resultants, bands: Any
@@ -154,34 +189,8 @@ def assemble_stiffness(
                         n2 = w * (n[2] * shapes[0, i] + n[1] * shapes[1, i])
                         for j in range(local):
                             membrane[i, j] += n1 * shapes[0, j] + n2 * shapes[1, j]
-                    for i in range(3 * local):
-                        l0, l1, l2, l3, l4 = (
-                            left[0, i],
-                            left[1, i],
-                            left[2, i],
-                            left[3, i],
-                            left[4, i],
-                        )
-                        l5, l6, l7, l8, l9 = (
-                            left[5, i],
-                            left[6, i],
-                            left[7, i],
-                            left[8, i],
-                            left[9, i],
-                        )
-                        for j in range(i, 3 * local):
-                            element[i, j] += (
-                                l0 * right[0, j]
-                                + l1 * right[1, j]
-                                + l2 * right[2, j]
-                                + l3 * right[3, j]
-                                + l4 * right[4, j]
-                                + l5 * right[5, j]
-                                + l6 * right[6, j]
-                                + l7 * right[7, j]
-                                + l8 * right[8, j]
-                                + l9 * right[9, j]
-                            )
+                    for i in range(local):
+                        _add_node(left, right, 3 * i, element)
             for i in range(local):
                 for j in range(i, local):
                     for x in range(3):
