@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -33,7 +32,7 @@ class Commands(typer.core.TyperGroup):
             say = "stopped; finished stages are kept, and the same command goes on from there"
             typer.echo(say, err=True)
             raise typer.Exit(130) from None
-        except (typer.Exit, typer.Abort):
+        except (typer.Exit, typer.Abort, BrokenPipeError):
             raise
         except Exception as error:
             if type(error).__module__.partition(".")[0] in ("typer", "click"):
@@ -51,8 +50,9 @@ def _told(error: Exception) -> tuple[str, int]:
 
     if isinstance(error, MyofilmError):
         return str(error), error.exit_code
-    if isinstance(error, OSError):
-        return str(error), 1
+    if isinstance(error, OSError) and error.strerror:
+        where = f": {error.filename}" if error.filename else ""
+        return f"{error.strerror.lower()}{where}. Results computed so far are kept.", 1
     kind = type(error).__name__
     return f"unexpected {kind}: {error}\nRun again with --traceback to see where.", 1
 
@@ -229,4 +229,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())  # type: ignore[func-returns-value]  # app() exits by itself
+    main()

@@ -133,12 +133,20 @@ def quantities(measures: Measures) -> dict[str, Quantity]:
 
 
 def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quantity]:
-    peaks = _listed(measures.peak_active_stress[i])
-    reached = [float(measures.active_stress[:, i].max()), *(p for p in peaks if p is not None)]
+    beats = [
+        (time, peak)
+        for time, peak in zip(
+            _listed(measures.activation_times[i]),
+            _listed(measures.peak_active_stress[i]),
+            strict=True,
+        )
+        if time is not None
+    ]
+    reached = [float(measures.active_stress[:, i].max()), *(peak for _, peak in beats if peak)]
     motion = (measures.displacement[:, i] ** 2).sum(axis=-1) ** 0.5
     return {
         f"{name}.activation_times": Quantity(
-            [t for t in _listed(measures.activation_times[i]) if t is not None],
+            [time for time, _ in beats],
             "ms",
             f"when the electrical front arrives at {name}, beat by beat",
         ),
@@ -146,7 +154,7 @@ def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quanti
             max(reached), "kPa", f"how hard the muscle pulls at {name} at most"
         ),
         f"{name}.peak_active_stresses": Quantity(
-            [p for p in peaks if p is not None], "kPa", f"the same for each beat at {name}"
+            [peak for _, peak in beats], "kPa", f"the same for each beat at {name}"
         ),
         f"{name}.max_displacement": Quantity(
             float(motion.max()), "mm", f"how far {name} moves from its place at rest at most"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,15 @@ def test_the_traceback_is_shown_on_demand(
     line: list[object] = ["run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store"]
     result = invoke(*line[:place], "--traceback", *line[place:])
     assert isinstance(result.exception, StageError)
+
+
+def test_a_full_disk_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    fail_with(monkeypatch, OSError(errno.ENOSPC, "No space left on device", "/out/film.vtkhdf"))
+    result = invoke("run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store")
+    assert result.exit_code == 1
+    assert result.stderr == (
+        "Error: no space left on device: /out/film.vtkhdf. Results computed so far are kept.\n"
+    )
 
 
 def test_a_mistake_of_the_program_is_said_to_be_one(
