@@ -1,1 +1,15 @@
-"""The engine: declares, plans, keys, stores and runs stages. Knows no physics."""
+"""The engine: declares, plans, keys, stores and runs stages. Knows no physics.
+
+Where things are:
+
+- ``nodes`` (``stage``, ``Node``), ``runs`` (what a running stage may ask), ``records``, ``annotations``
+- ``canonical``, ``fingerprint``, ``keys``: what makes two results the same
+- ``store``, ``manifest``, ``locks``, ``durable``, ``codecs``: how results are kept
+- ``plan``, ``reasons``: what would run, and why
+- ``runner``, ``execution``, ``storerun``, ``streams``, ``frames``, ``checkpoints``, ``interrupts``:
+  how a stage runs, streams and resumes
+- ``config``: tables, overrides and units to one validated configuration
+- ``events``, ``errors``, ``provenance``, ``memory``, ``testing``
+
+Only running a stage or loading a result imports numpy, HDF5 and zarr.
+"""

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 from pipeline.keys import Statement, statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
-from pipeline.reasons import Reason, nearest
+from pipeline.reasons import UNKNOWN, Reason, nearest
 from pipeline.store import Store
 
 
@@ -130,7 +130,8 @@ def _judge(name: str, node: Node[Any], store: Store, found: Mapping[int, Manifes
     if not waits_for and (manifest := store.find(stated.ref)):
         return Hit(name, stage, stated.key, manifest)
     key = None if waits_for else stated.key
-    past = nearest(stated, {role: inputs.get(role) for role in nodes}, store)
+    unknown = {role: InputEntry(n.stage.name, "", None, UNKNOWN) for role, n in nodes.items()}
+    past = nearest(stated, {**unknown, **inputs}, store)
     if past is None:
         return Missing(name, stage, key)
     manifest, reasons = past

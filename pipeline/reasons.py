@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from pipeline.canonical import Canonical
+from pipeline.errors import StoreError
 from pipeline.keys import SCHEMA, Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.store import Store
@@ -20,6 +21,9 @@ class Absent:
 
 
 ABSENT = Absent()
+
+UNKNOWN = ""
+"""Content id of an input that is not known before its stage has run."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ Reason: TypeAlias = ConfigChanged | InputChanged | CodeChanged | SchemaChanged
 
 
 def nearest(
-    stated: Statement, inputs: Mapping[str, InputEntry | None], store: Store
+    stated: Statement, inputs: Mapping[str, InputEntry], store: Store
 ) -> tuple[Manifest, tuple[Reason, ...]] | None:
     """Past result of a stage with the fewest differences, the latest of these, and the differences.
 
@@ -80,13 +84,17 @@ def nearest(
     stated
         What is asked; its ``inputs`` are not looked at.
     inputs
-        Inputs by role; one that is not known yet is ``None`` and not compared.
+        Inputs by role; the content of one that is not known yet is :data:`UNKNOWN`, which may be
+        anything.
     store
         Where past results are.
     """
     best: tuple[Manifest, tuple[Reason, ...]] | None = None
     for ref in store.refs(stated.stage):
-        manifest = store.manifest(ref)
+        try:
+            manifest = store.manifest(ref)
+        except StoreError:
+            continue  # damage to one result must not keep others from being computed
         reasons = tuple(differences(manifest, stated, inputs))
         if best is None or (-len(reasons), manifest.finished) > (-len(best[1]), best[0].finished):
             best = manifest, reasons
@@ -94,7 +102,7 @@ def nearest(
 
 
 def differences(
-    past: Manifest, stated: Statement, inputs: Mapping[str, InputEntry | None]
+    past: Manifest, stated: Statement, inputs: Mapping[str, InputEntry]
 ) -> Iterator[Reason]:
     """Why a past result is not the one asked for."""
     if past.schema != SCHEMA:
@@ -106,11 +114,10 @@ def differences(
             yield ConfigChanged(field, before, after)
     for role in {**inputs, **past.inputs}:
         source, source_before = inputs.get(role), past.inputs.get(role)
-        if role in inputs and source is None:
-            continue
-        if source is None or source_before is None or source.content != source_before.content:
-            known = source or source_before
-            yield InputChanged(role, known.stage if known else "")
+        if source is None or source_before is None:
+            yield InputChanged(role, (source or past.inputs[role]).stage)
+        elif source.content not in (UNKNOWN, source_before.content):
+            yield InputChanged(role, source.stage)
     for module in sorted({*past.modules, *stated.code.modules}):
         if module not in past.modules:
             yield CodeChanged(module, "added")

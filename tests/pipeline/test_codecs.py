@@ -151,6 +151,17 @@ def test_the_content_id_of_a_part_depends_on_that_part_alone(tmp_path: Path) -> 
     assert one["table"] != two["table"]
 
 
+def test_the_content_id_of_a_part_does_not_depend_on_its_name(tmp_path: Path) -> None:
+    @dataclass(frozen=True)
+    class Pair:
+        first: LazyTable
+        second: LazyTable
+
+    save(tmp_path, Pair(LazyTable(**values()), LazyTable(**values())))
+    ids = content_ids(hash_files(tmp_path))
+    assert ids["first"] == ids["second"]
+
+
 @pytest.mark.parametrize("record", [Table, LazyTable])
 @pytest.mark.parametrize(
     ("field", "value", "message"),

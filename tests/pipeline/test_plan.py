@@ -170,6 +170,24 @@ def test_an_added_and_a_removed_input_are_named(numberbox: Path, store: LocalSto
     assert verdict.reasons == (InputChanged("second", "number"),)
 
 
+def test_a_result_for_fewer_inputs_is_no_hit_for_more(numberbox: Path, store: LocalStore) -> None:
+    first = number()
+    stage = importlib.import_module("numberbox.stage")
+    run({"one": stage.again(first.config, first)}, store)
+    two = stage.again(first.config, first, number("stiff"))
+    verdict = verdicts(store, {"two": two})["two"]
+    assert isinstance(verdict, Changed)
+    assert verdict.reasons == (InputChanged("second", "number"),)
+
+
+def test_damage_to_one_result_does_not_keep_others_from_being_computed(store: LocalStore) -> None:
+    ref = run(plan(), store)["wave"].manifest.ref
+    (store.data(ref).parent / "manifest.json").write_text("{")
+    other = plan(wave=toy.WaveConfig(gain=2.0))
+    assert isinstance(verdicts(store, other)["wave"], Missing)
+    assert not run(other, store)["wave"].hit
+
+
 def test_a_cached_run_and_a_plan_import_nothing_heavy(
     store: LocalStore, output: Callable[..., str]
 ) -> None:
