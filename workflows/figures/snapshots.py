@@ -22,7 +22,7 @@ POTENTIAL = Normalize(-80.0, 20.0)
 """Common colour scale, mV: from rest to the peak of the action potential."""
 
 COLOURS = colormaps["viridis"]
-QUADS_ALONG = 120
+QUADS_ALONG = 96
 COLUMNS = 3
 
 
