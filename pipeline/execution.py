@@ -24,6 +24,7 @@ from pipeline.provenance import environment
 from pipeline.records import WHOLE
 from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
+from pipeline.threads import one_blas_thread
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> None:
     """Run the stage and write what it returns."""
     stage, declared = task.node.stage, task.node.record
     try:
-        with deferred_interrupts() as run.interrupts:
+        with deferred_interrupts() as run.interrupts, one_blas_thread():
             record = stage.compute(task.node.config, run=run, **inputs)
         if type(record) is not declared:
             raise TypeError(f"it returned a {type(record).__name__}, not a {declared.__name__}")

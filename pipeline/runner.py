@@ -16,7 +16,7 @@ from pipeline.provenance import version_changes
 from pipeline.reasons import nearest
 from pipeline.store import Store
 
-CHECKPOINT_INTERVAL = 60.0
+CHECKPOINT_INTERVAL = 5.0
 """Seconds of work that a kill may cost at most."""
 
 

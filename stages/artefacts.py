@@ -8,10 +8,11 @@ a record is kept: HDF5 for geometry and tables, zarr for fields that grow with t
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from stages.numerics.bsplines import Array
-from stages.numerics.patches import Patch
+if TYPE_CHECKING:  # records are described, not made, when a run is only planned
+    from stages.numerics.bsplines import Array
+    from stages.numerics.patches import Patch
 
 
 def array(unit: str, *axes: str, stored: str | None = None) -> Any:

@@ -156,5 +156,5 @@ def _read(kept: Any, hint: Any, reader: GroupReader) -> Any:
 def _class_named(name: str, hint: Any) -> type[Any]:
     for one in alternatives(hint):
         if is_record_type(one) and one.__name__ == name:
-            return one  # type: ignore[no-any-return]  # is_record_type is a plain predicate
+            return one
     raise StoreError(f"a kept record is a {name}, but the field is declared as {hint}")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING
 
 from pipeline.nodes import StageRun, stage
 from stages.activation.config import TransferConfig
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface, StressSamples
-from stages.numerics.bsplines import Array
+
+if TYPE_CHECKING:
+    from stages.numerics.bsplines import Array
 
 
 @stage
@@ -23,6 +25,8 @@ def activation(
 
     Both surfaces share their parameters theta, since refinement preserves the parametrisation.
     """
+    import numpy as np
+
     from stages.activation.transfer import SurfaceTransfer, resample
     from stages.numerics.quadrature import quadrature_grid
 

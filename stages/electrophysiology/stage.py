@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import ActivationHistory, ExcitableSurface
 from stages.electrophysiology.config import ElectrophysiologyConfig
@@ -14,6 +12,8 @@ def electrophysiology(
     config: ElectrophysiologyConfig, surface: ExcitableSurface, *, run: StageRun
 ) -> ActivationHistory:
     """Monodomain problem on the active layer, frame by frame from rest at t = 0."""
+    import numpy as np
+
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import Crossings, frame_blocks
 

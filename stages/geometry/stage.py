@@ -5,7 +5,6 @@ from __future__ import annotations
 from pipeline.nodes import stage
 from stages.artefacts import FilmGeometry
 from stages.geometry.config import GeometryStageConfig
-from stages.geometry.films import active_mid_surface, flat_film, shell_mid_surface, two_layers
 
 
 @stage
@@ -14,6 +13,8 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
 
     The three parts are kept apart, so that another fibre angle leaves the electrophysiology alone.
     """
+    from stages.geometry.films import active_mid_surface, flat_film, shell_mid_surface, two_layers
+
     base = flat_film(config.film)
     return FilmGeometry(
         excitable_surface=active_mid_surface(base, config.film, config.excitable_mesh),
