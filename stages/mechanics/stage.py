@@ -25,7 +25,7 @@ def mechanics(
     run: StageRun,
 ) -> Deformation:
     """Motion of the film from rest, step by step (secs. 3.1-3.2)."""
-    from stages.mechanics.setup import build_loop, check_inputs
+    from stages.mechanics.setup import FrameReader, build_loop, check_inputs
     from stages.numerics.time_stepping import Motion
 
     loop = build_loop(config, mid_surface.patch, laminate)
@@ -51,7 +51,7 @@ def mechanics(
         motion = Motion(saved["displacement"], saved["velocity"], saved["acceleration"])
         halved = int(saved["halved_steps"])
     steps = loop.run(
-        lambda i: np.asarray(stress.active_stress[i], dtype=float),
+        FrameReader(stress.active_stress),
         motion,
         first=history.frames_done - 1,
         last=config.n_steps,

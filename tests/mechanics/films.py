@@ -48,15 +48,25 @@ def uneven(degree: int = 2) -> Patch:
 
 def arched(elements: tuple[int, int] = (4, 3), degree: int = 2, height: float = 0.6) -> Patch:
     """Doubly curved film: the rectangle lifted to a bulge, with a twist."""
-    spaces = tuple(SplineSpace.uniform(degree, n) for n in elements)
-    x, y = np.meshgrid(*(space.greville() for space in spaces), indexing="ij")
+    first, second = (SplineSpace.uniform(degree, n) for n in elements)
+    x, y = np.meshgrid(first.greville(), second.greville(), indexing="ij")
     z = height * x * (1.0 - x) + 0.3 * height * (y - 0.5) ** 2 + 0.2 * height * x * y
-    return Patch(*spaces, np.stack((3.5 * x, 2.0 * y, z), axis=-1))
+    return Patch(first, second, np.stack((3.5 * x, 2.0 * y, z), axis=-1))
 
 
-def shell(patch: Patch, laminate: Laminate | None = None, **options: int) -> Shell:
+def mixed() -> Patch:
+    """Curved film of degree 2 along X and 4 along Y."""
+    flat_one = Patch.rectangle(3.5, 2.0)
+    spaces = SplineSpace.uniform(2, 4), SplineSpace.uniform(4, 2)
+    points = flat_one.evaluate(spaces[0].greville(), spaces[1].greville())
+    points[:, 2] = 0.1 * np.sin(points[:, 0]) * (1.0 + points[:, 1])
+    start = np.zeros((spaces[0].size, spaces[1].size, 3))
+    return Patch(spaces[0], spaces[1], start).interpolate(points)
+
+
+def shell(patch: Patch, laminate: Laminate | None = None) -> Shell:
     """Shell of the paper's materials."""
-    return build_shell(patch, laminate or two_layers(), MATERIALS, **options)
+    return build_shell(patch, laminate or two_layers(), MATERIALS)
 
 
 def random_state(body: Shell, seed: int, size: float = 0.05) -> tuple[Array, Array]:

@@ -16,15 +16,16 @@ from tests.mechanics import films
 from tests.mechanics.cylinder import cylindrical_bending
 
 
-def path(body: Shell, stress: float, increments: int, **limits: int) -> LoadPath:
-    halvings = limits.pop("max_halvings", 5)
+def path(
+    body: Shell, stress: float, increments: int, iterations: int = 15, max_halvings: int = 5
+) -> LoadPath:
     return LoadPath(
         body,
         fixed_degrees(body.patch, "clamped"),
         np.full(body.points, stress),
         increments,
-        NewtonControls(length=body.extent, **limits),  # type: ignore[arg-type]
-        halvings,
+        NewtonControls(length=body.extent, max_iterations=iterations),
+        max_halvings,
     )
 
 
@@ -47,7 +48,7 @@ def test_the_closed_form_of_cylindrical_bending_is_in_balance_at_every_point() -
     stress = 12.2
     lx, ly, k = cylindrical_bending(stress)
     body = films.shell(films.flat((12, 1), degree=5), films.two_layers(angle=0.0))
-    grid = body.patch.evaluate(*(space.greville() for space in body.patch.spaces))
+    grid = body.patch.evaluate(body.patch.first.greville(), body.patch.second.greville())
     arc = k * lx * grid[:, 0]
     shape = np.stack((np.sin(arc) / k, ly * grid[:, 1], (1 - np.cos(arc)) / k), axis=1)
     displacement = body.patch.interpolate(shape).control_points - body.patch.control_points
@@ -93,7 +94,7 @@ def test_the_end_of_the_path_does_not_depend_on_the_increments() -> None:
 
 def test_an_increment_that_fails_is_halved_and_its_factors_stay_on_the_grid() -> None:
     body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
-    steps = list(path(body, 9.0, 3, max_iterations=11).follow())
+    steps = list(path(body, 9.0, 3, iterations=11).follow())
     assert [s.factor for s in steps] == [1 / 3, 2 / 3, 1.0]
     assert max(s.halvings for s in steps) > 0
     reference = bend(body, 9.0, increments=20)

@@ -14,6 +14,7 @@ FILMS = {
     "cubic": films.flat((2, 2), degree=3),
     "uneven": films.uneven(),
     "arched": films.arched((3, 2)),
+    "mixed": films.mixed(),
 }
 
 
