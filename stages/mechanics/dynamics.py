@@ -154,20 +154,37 @@ class TimeLoop:
     ) -> StepResult:
         """Part number ``part`` of the 2^depth parts of a step, with its activation at both ends."""
         step = self.step / 2**depth
-        problem = self.dynamics.under(self.scheme.blend(old, new))
-        guess = motion.displacement + step * motion.velocity
-        try:
-            moved, solution = self.scheme.step(problem, motion, step, guess, self.controls)
-        except NewtonError as failure:
-            if depth == self.max_halvings:
-                time = (index - 1) * self.step + part * step
-                raise StepError(index, time, step, failure) from failure
-            middle = 0.5 * (old + new)
-            first = self._advance(index, motion, old, middle, depth + 1, 2 * part)
-            second = self._advance(index, first.motion, middle, new, depth + 1, 2 * part + 1)
-            return StepResult(
-                second.motion,
-                len(failure.history) + first.iterations + second.iterations,
-                max(first.halvings, second.halvings),
-            )
-        return StepResult(moved, solution.iterations, depth)
+        solved, failures = self._solve(motion, self.scheme.blend(old, new), step)
+        wasted = sum(len(failure.history) for failure in failures)
+        if solved is not None:
+            return StepResult(solved[0], wasted + solved[1], depth)
+        if depth == self.max_halvings:
+            time = (index - 1) * self.step + part * step
+            raise StepError(index, time, step, failures[-1]) from failures[-1]
+        middle = 0.5 * (old + new)
+        first = self._advance(index, motion, old, middle, depth + 1, 2 * part)
+        second = self._advance(index, first.motion, middle, new, depth + 1, 2 * part + 1)
+        return StepResult(
+            second.motion,
+            wasted + first.iterations + second.iterations,
+            max(first.halvings, second.halvings),
+        )
+
+    def _solve(
+        self, motion: Motion, activation: Array, step: float
+    ) -> tuple[tuple[Motion, int] | None, list[NewtonError]]:
+        """New state and iterations, or none; and the attempts that failed.
+
+        The first guess goes on at the old velocity: it takes 3 to 5 iterations. A film that turns fast
+        is stretched by that; a guess that stays where the film was takes 4 to 7, and rarely fails.
+        """
+        problem = self.dynamics.under(activation)
+        failures: list[NewtonError] = []
+        for guess in (motion.displacement + step * motion.velocity, motion.displacement):
+            try:
+                moved, solution = self.scheme.step(problem, motion, step, guess, self.controls)
+            except NewtonError as failure:
+                failures.append(failure)
+            else:
+                return (moved, solution.iterations), failures
+        return None, failures

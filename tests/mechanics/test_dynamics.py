@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass, replace
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,8 @@ from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.shell import Shell
 from stages.mechanics.supports import fixed_degrees
 from stages.numerics.bsplines import Array
-from stages.numerics.newton import NewtonControls
-from stages.numerics.time_stepping import GeneralizedAlpha, Motion
+from stages.numerics.newton import DivergenceError, NewtonControls, NewtonSolution
+from stages.numerics.time_stepping import GeneralizedAlpha, Motion, MotionProblem
 from tests.mechanics import films
 
 
@@ -121,6 +123,34 @@ def test_a_step_that_fails_is_halved_and_the_next_one_starts_on_the_grid(body: S
     (end,) = coarse.run(lambda i: jump[i], middle.motion, 1, 2)
     np.testing.assert_array_equal(results[0].motion.displacement, middle.motion.displacement)
     np.testing.assert_array_equal(results[1].motion.displacement, end.motion.displacement)
+
+
+@dataclass(frozen=True)
+class LedAstray(GeneralizedAlpha):
+    """Generalized-alpha that diverges from any guess but the old displacement."""
+
+    def step(
+        self,
+        problem: MotionProblem,
+        old: Motion,
+        step: float,
+        guess: Array,
+        controls: NewtonControls,
+    ) -> tuple[Motion, NewtonSolution]:
+        if not np.array_equal(guess, old.displacement):
+            raise DivergenceError(())
+        return super().step(problem, old, step, guess, controls)
+
+
+def test_a_guess_that_leads_astray_is_replaced_before_the_step_is_halved(body: Shell) -> None:
+    stress = lambda i: np.full(body.points, 0.5 * i)  # noqa: E731
+    plain = loop(body, 5.0, damping=0.8)
+    astray = replace(plain, scheme=LedAstray(**asdict(plain.scheme)))
+    *_, expected = plain.run(stress, plain.dynamics.at_rest(), 0, 4)
+    *_, found = astray.run(stress, astray.dynamics.at_rest(), 0, 4)
+    assert found.halvings == 0
+    # another guess, the same equations: Newton's tolerance
+    assert np.abs(found.motion.displacement - expected.motion.displacement).max() < 1e-9
 
 
 def test_a_hopeless_step_names_itself_and_keeps_what_was_computed(body: Shell) -> None:
