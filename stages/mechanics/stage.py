@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pipeline.nodes import History, StageRun, stage
 from stages.artefacts import Deformation, Laminate, MidSurface, StressSamples
 from stages.mechanics.config import MechanicsConfig
@@ -25,6 +23,8 @@ def mechanics(
     run: StageRun,
 ) -> Deformation:
     """Motion of the film from rest, step by step (secs. 3.1-3.2)."""
+    import numpy as np
+
     from stages.mechanics.setup import FrameReader, build_loop, check_inputs
     from stages.numerics.time_stepping import Motion
 
