@@ -27,7 +27,7 @@ def activation(
     """
     import numpy as np
 
-    from stages.activation.transfer import SurfaceTransfer, resample
+    from stages.activation.transfer import SurfaceTransfer, check_covered, resample
     from stages.numerics.quadrature import quadrature_grid
 
     grid = quadrature_grid(mid_surface.patch, config.points)
@@ -39,8 +39,10 @@ def activation(
     def frame(index: int) -> Array:
         return np.asarray(history.active_stress[index], dtype=float)
 
+    times = np.asarray(history.time)
+    check_covered(times, wanted)
     run.resume()
-    for stress in resample(np.asarray(history.time), wanted[samples.frames_done :], frame):
+    for stress in resample(times, wanted[samples.frames_done :], frame):
         samples.append(active_stress=config.scale * transfer(stress))
         run.progress(samples.frames_done, wanted.size)
         run.checkpoint(dict)

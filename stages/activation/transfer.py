@@ -49,6 +49,21 @@ class SurfaceTransfer:
         return (self.first @ grid @ self.second.T).ravel()
 
 
+def check_covered(times: Array, wanted: Array) -> None:
+    """Refuse wanted times before the first or after the last frame; nothing is extrapolated.
+
+    Raises
+    ------
+    TimesOutsideHistoryError
+        If a wanted time lies outside ``times`` by more than round-off.
+    """
+    slack = _slack(times)
+    if wanted[0] < times[0] - slack or wanted[-1] > times[-1] + slack:
+        raise TimesOutsideHistoryError(
+            (float(wanted[0]), float(wanted[-1])), (float(times[0]), float(times[-1]))
+        )
+
+
 def resample(times: Array, wanted: Array, frame: Callable[[int], Array]) -> Iterator[Array]:
     """Fields at ``wanted`` times, linear between the two frames around each.
 
@@ -57,20 +72,11 @@ def resample(times: Array, wanted: Array, frame: Callable[[int], Array]) -> Iter
     times
         Increasing times of the frames, ms.
     wanted
-        Times asked for, ms; a frame's own time returns that frame.
+        Times asked for, ms, covered by the frames; a frame's own time returns that frame.
     frame
         Reads one frame by its index; called at most twice per wanted time.
-
-    Raises
-    ------
-    TimesOutsideHistoryError
-        If a wanted time lies outside ``times`` by more than round-off (nothing is extrapolated).
     """
-    slack = 1e-9 * max(float(times[-1] - times[0]), float(np.abs(times).max()))
-    if wanted[0] < times[0] - slack or wanted[-1] > times[-1] + slack:
-        raise TimesOutsideHistoryError(
-            (float(wanted[0]), float(wanted[-1])), (float(times[0]), float(times[-1]))
-        )
+    slack = _slack(times)
     for time in wanted:
         after = min(int(np.searchsorted(times, time - slack)), times.size - 1)
         if abs(times[after] - time) <= slack:
@@ -78,3 +84,8 @@ def resample(times: Array, wanted: Array, frame: Callable[[int], Array]) -> Iter
             continue
         weight = (time - times[after - 1]) / (times[after] - times[after - 1])
         yield (1.0 - weight) * frame(after - 1) + weight * frame(after)
+
+
+def _slack(times: Array) -> float:
+    """Difference that rounding may make between two equal times, ms."""
+    return 1e-9 * float(np.abs(times).max())

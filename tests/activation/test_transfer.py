@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pipeline.testing import interrupted_and_resumed
 from stages.activation.config import TransferConfig
 from stages.activation.stage import activation
-from stages.activation.transfer import SurfaceTransfer, TimesOutsideHistoryError, resample
+from stages.activation.transfer import (
+    SurfaceTransfer,
+    TimesOutsideHistoryError,
+    check_covered,
+    resample,
+)
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
@@ -62,9 +68,8 @@ def test_frames_are_linear_in_time_between_two_and_exact_on_them() -> None:
 
 @pytest.mark.parametrize("wanted", [[-0.1, 1.0], [0.0, 4.1]])
 def test_times_outside_the_history_are_refused(wanted: list[float]) -> None:
-    frames = np.zeros((5, 1))
     with pytest.raises(TimesOutsideHistoryError, match="ran from 0 to 4 ms only"):
-        list(resample(np.arange(5.0), np.array(wanted), frames.__getitem__))
+        check_covered(np.arange(5.0), np.array(wanted))
 
 
 def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
@@ -91,3 +96,16 @@ def test_a_shell_that_outlasts_the_cells_is_refused() -> None:
             ExcitableSurface(SURFACE),
             MidSurface(SHELL),
         )
+
+
+@pytest.mark.parametrize("after", [1, 4, 9], ids=["first frame", "in between", "last frame"])
+def test_a_stopped_transfer_goes_on_as_if_nothing_had_happened(after: int) -> None:
+    times = np.arange(0.0, 21.0)
+    frames = np.random.default_rng(2).normal(size=(21, SURFACE.size))
+    config = TransferConfig(scale=0.5, duration=20.0, n_steps=8, points=3)
+    inputs = (history_of(times, frames), ExcitableSurface(SURFACE), MidSurface(SHELL))
+    unbroken = activation.compute(config, *inputs)
+    resumed = interrupted_and_resumed(activation, config, *inputs, after=after)
+    np.testing.assert_array_equal(
+        np.asarray(resumed.active_stress), np.asarray(unbroken.active_stress)
+    )

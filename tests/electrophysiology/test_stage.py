@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pipeline.testing import interrupted_and_resumed
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.recording import Crossings, frame_blocks
 from stages.electrophysiology.stage import electrophysiology
 from stages.numerics.patches import Patch
 from tests.paper import S1, electrophysiology_config
+from tests.problems import parabolic_sheet
 
 SURFACE = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(2, (24, 4)))
 
@@ -91,3 +93,21 @@ def test_stimuli_may_be_named() -> None:
 def test_frames_between_time_steps_are_refused() -> None:
     with pytest.raises(ValueError, match="whole number of time steps"):
         electrophysiology_config(output_interval=0.07)
+
+
+@pytest.mark.parametrize("after", [2, 5, 13], ids=["first frame", "in between", "last frame"])
+@pytest.mark.parametrize(
+    "patch",
+    [SURFACE.patch, parabolic_sheet(0.5, 3.5, 2.0).refine(2, (24, 4))],
+    ids=["flat", "curved"],
+)
+def test_a_stopped_run_goes_on_as_if_nothing_had_happened(patch: Patch, after: int) -> None:
+    config = electrophysiology_config(duration=12.0, n_steps=240)
+    surface = ExcitableSurface(patch)
+    unbroken = electrophysiology.compute(config, surface)
+    resumed = interrupted_and_resumed(electrophysiology, config, surface, after=after)
+    assert np.isfinite(unbroken.activation_times).any()
+    for field in ("time", "potential", "active_stress", "activation_times"):
+        np.testing.assert_array_equal(
+            np.asarray(getattr(resumed, field)), np.asarray(getattr(unbroken, field))
+        )
