@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -108,6 +108,9 @@ class OneOf:
             )
         return self.load(value["name"]).model_validate(value)
 
+
+Count = Annotated[int, Field(ge=1)]
+"""A whole number of things of which there is at least one."""
 
 Edge = Literal["X=0", "X=L1", "Y=0", "Y=L2"]
 """The four edges of a patch: first or second parametric direction at its start or its end."""

@@ -18,6 +18,7 @@ CELL = AlievPanfilov(
     potential_range=100.0,
     potential_rest=-80.0,
     time_scale=12.9,
+    initial_recovery=0.0,
 )
 TENSION = GoektepeKuhl(k_sigma=0.122, v_r=-80.0, zeta_0=0.1, zeta_inf=1.0, xi=1.0, v_bar=0.0)
 S1 = EdgeFlux(edge="X=0", start=0.0, duration=5.0, flux=2.0)

@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from stages.activation.config import ActivationConfig, TransferConfig
 from stages.configuration import Section
-from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurrent
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
@@ -57,6 +57,17 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
         if not (0 <= x <= film.length and 0 <= y <= film.width):
             yield (
                 f"postprocessing.probes.{name} = ({x:g}, {y:g}) mm lies outside the film {extent}"
+            )
+    for stimulus in config.electrophysiology.stimuli:
+        if isinstance(stimulus, PatchCurrent) and not (
+            stimulus.x[0] >= 0
+            and stimulus.x[1] <= film.length
+            and stimulus.y[0] >= 0
+            and stimulus.y[1] <= film.width
+        ):
+            yield (
+                f"electrophysiology.stimuli: the stimulated rectangle X {stimulus.x}, Y {stimulus.y} "
+                f"mm reaches outside the film {extent}"
             )
     if measured.mid_axis > film.width:
         yield (f"postprocessing.mid_axis = {measured.mid_axis:g} mm lies outside the film {extent}")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.configuration import Edge, OneOf, Section, quantity, setting, unkeyed
+from stages.configuration import Count, Edge, OneOf, Section, quantity, setting, unkeyed
 from stages.electrophysiology.cell_models.base import CellModel
 from stages.electrophysiology.tension_laws.base import TensionLaw
 
@@ -24,7 +24,7 @@ class EdgeFlux(Section):
 
 
 class PatchCurrent(Section):
-    """Current applied to a rectangle of the film's parametric square, for a while (eqs. 8, 73)."""
+    """Current applied to a rectangle of the film, by X and Y, for a while (eqs. 8, 73)."""
 
     kind: Literal["patch-current"]
     x: tuple[float, float] = quantity("mm", "extent along X", "eq. 8")
@@ -50,7 +50,7 @@ Stimulus = Annotated[EdgeFlux | PatchCurrent, Field(discriminator="kind")]
 class ElectrophysiologyConfig(Section):
     """Monodomain problem on the active layer: mesh, time grid, cells, tension, stimuli."""
 
-    elements: tuple[int, int] = setting("knot spans along X and along Y", "sec. 4.3")
+    elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 4.3", ge=2)
     n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)

@@ -62,7 +62,7 @@ def build(
 
 def rest(config: ElectrophysiologyConfig, stepper: Stepper, points: int) -> TissueState:
     """All cells alike at the initial potential, no active stress (initial conditions of Table 3)."""
-    recovery = config.cell_model.resting_recovery()
+    recovery = config.cell_model.initial_recovery
     potential = np.full(points, config.initial_potential)
     current = ionic_current_of(config.cell_model)(
         config.initial_potential, recovery, config.cell_model.constants()

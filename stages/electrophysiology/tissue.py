@@ -14,7 +14,7 @@ from stages.numerics.bsplines import Array
 
 
 class UnstableSolutionError(ArithmeticError):
-    """The potential grew beyond all bounds."""
+    """The solution grew beyond all bounds."""
 
     remedy = (
         "The explicit ionic current limits the time step: raise electrophysiology.n_steps, "
@@ -22,7 +22,8 @@ class UnstableSolutionError(ArithmeticError):
     )
 
     def __init__(self, steps: int, time: float) -> None:
-        super().__init__(f"the potential is no longer finite after step {steps} (t = {time:g} ms)")
+        self.place = f"step {steps}, t = {time:g} ms"
+        super().__init__("the cells' state is no longer finite")
 
 
 @dataclass
@@ -57,14 +58,15 @@ class TissueState:
         self.steps = int(self.steps)
 
     def check_finite(self, step: float) -> None:
-        """Stop as soon as a potential is no number any more.
+        """Stop as soon as a cell's state is no number any more.
 
         Raises
         ------
         UnstableSolutionError
             With the time at which it was noticed.
         """
-        if not np.isfinite(self.potential).all():
+        states = (self.potential, self.recovery, self.active_stress)
+        if not all(np.isfinite(values).all() for values in states):
             raise UnstableSolutionError(self.steps, self.steps * step)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stages.configuration import Section, quantity, setting
+from stages.configuration import Count, Section, quantity, setting
 
 
 class FilmConfig(Section):
@@ -24,7 +24,7 @@ class FilmConfig(Section):
 class MeshConfig(Section):
     """Uniform spline mesh of maximum continuity."""
 
-    elements: tuple[int, int] = setting("knot spans along X and along Y")
+    elements: tuple[Count, Count] = setting("knot spans along X and along Y")
     degree: int = setting("polynomial degree; 2 or more, since C1 is needed", ge=2)
 
 

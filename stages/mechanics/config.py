@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from stages.configuration import OneOf, Section, quantity, setting
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
+from stages.configuration import Count, OneOf, Section, quantity, setting
 from stages.mechanics.materials.base import Material
 
 AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
@@ -13,7 +16,7 @@ AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
 class MechanicsConfig(Section):
     """Shell on the film's mid-surface: mesh, time grid, damping, support, materials, solver."""
 
-    elements: tuple[int, int] = setting("knot spans along X and along Y", "sec. 4.3")
+    elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 3.1", ge=2)
     n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
@@ -56,6 +59,18 @@ class MechanicsConfig(Section):
     )
     max_iterations: int = setting("Newton: iterations before giving up", ge=1, default=15)
     max_halvings: int = setting("how often a step that fails may be halved", ge=0, default=6)
+
+    @model_validator(mode="after")
+    def _enough_points(self) -> MechanicsConfig:
+        """Fewer Gauss points than the degree leave motions without stiffness."""
+        if self.points_per_element < self.degree:
+            raise PydanticCustomError(
+                "plane_points",
+                "plane_points {points} is too few for degree {degree}: some motions would meet no "
+                "resistance; give {degree} or more, or leave it out for degree + 1",
+                {"points": self.plane_points, "degree": self.degree},
+            )
+        return self
 
     @property
     def step(self) -> float:

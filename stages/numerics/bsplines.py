@@ -190,7 +190,7 @@ class SplineSpace:
         """
         if degree < self.degree:
             raise ValueError(f"degree {degree} is below the geometry's own degree {self.degree}")
-        if elements % self.elements:
+        if elements < 1 or elements % self.elements:
             raise ValueError(
                 f"{elements} elements cannot split the geometry's {self.elements} spans evenly"
             )

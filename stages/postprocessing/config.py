@@ -38,7 +38,7 @@ class PostprocessingConfig(Section):
                     "- and _",
                     {"name": repr(name)},
                 )
-        return probes
+        return dict(sorted(probes.items()))  # the order is not part of the key
 
     @field_validator("velocity_window")
     @classmethod

@@ -25,8 +25,8 @@ class Constants(NamedTuple):
 class Leak(CellModel):
     name: Literal["leak"] = "leak"
     tau: float = quantity("ms", "time constant", "test", gt=0)
+    initial_recovery: float = quantity("", "unused", "test", default=0.0)
     def constants(self): return Constants(self.tau)
-    def resting_recovery(self): return 0.0
 
 def ionic_current(v, w, p): return (v + 80.0) / p.tau
 def recovery_rate(v, w, p): return 0.0 * w

@@ -201,8 +201,9 @@ def test_an_explosion_is_reported_with_its_time() -> None:
     _, state = build(electrophysiology_config(), film())
     state.potential[3] = np.inf
     state.steps = 40
-    with pytest.raises(UnstableSolutionError, match=r"after step 40 \(t = 2 ms\)") as caught:
+    with pytest.raises(UnstableSolutionError, match="no longer finite") as caught:
         state.check_finite(0.05)
+    assert caught.value.place == "step 40, t = 2 ms"
     assert "n_steps" in caught.value.remedy
 
 

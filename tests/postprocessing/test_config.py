@@ -14,6 +14,13 @@ def test_the_papers_probes_are_accepted() -> None:
     assert PostprocessingConfig.model_validate(GOOD).probes == {"A": (1.75, 1.0)}
 
 
+def test_the_order_in_which_probes_are_named_does_not_matter() -> None:
+    """Equal keys must mean equal results: a key does not know the order of a table."""
+    probes = {"B": (3.5, 1.0), "A": (1.75, 1.0)}
+    made = PostprocessingConfig.model_validate(GOOD | {"probes": probes}).probes
+    assert list(made) == ["A", "B"]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

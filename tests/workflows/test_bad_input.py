@@ -33,6 +33,9 @@ def refused(result: Result, *parts: str) -> None:
         ("electrophysiology.cell_model=aliev-panfilow", ["did you mean 'aliev-panfilov'?"]),
         ("electrophysiology.degree=1", ["electrophysiology.degree", "at least 2"]),
         ("mechanics.degree=1", ["mechanics.degree", "at least 2"]),
+        ("electrophysiology.elements=[0, 6]", ["electrophysiology.elements", "at least 1"]),
+        ("electrophysiology.elements=[-3, 6]", ["electrophysiology.elements", "at least 1"]),
+        ("mechanics.elements=[50, 0]", ["mechanics.elements", "at least 1"]),
         ("electrophysiology.elements=[102]", ["a list of 2 whole numbers"]),
         ("electrophysiology.output_interval=0", ["output_interval", "greater than 0"]),
         ("electrophysiology.output_interval=0.03", ["output_interval", "0.02 ms"]),
@@ -40,6 +43,12 @@ def refused(result: Result, *parts: str) -> None:
         ("postprocessing.probes.D=[3.6,1]", ["probes.D = (3.6, 1)", "[0, 3.5] x [0, 2] mm"]),
         ("postprocessing.mid_axis=2.1", ["mid_axis = 2.1 mm", "outside the film"]),
         ("postprocessing.velocity_window=[1,4]", ["velocity_window = [1, 4]", "outside"]),
+        (
+            'electrophysiology.stimuli=[{kind="patch-current", x=[3.0, 4.0], y=[0.0, 1.0], '
+            "start=0.0, duration=5.0, current=20.0}]",
+            ["stimulated rectangle", "outside the film"],
+        ),
+        ("mechanics.plane_points=1", ["plane_points 1 is too few for degree 2"]),
         ("geometry.length=nan", ["geometry.length", "finite"]),
         ("mechanics.damping", ["SECTION.KEY=VALUE", "'mechanics.damping'"]),
     ],

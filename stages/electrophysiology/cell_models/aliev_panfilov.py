@@ -40,6 +40,7 @@ class AlievPanfilov(CellModel):
     potential_range: float = quantity("mV", "potential scale r_v", "Table 3, eq. 99", gt=0)
     potential_rest: float = quantity("mV", "potential shift s_v", "Table 3, eq. 99")
     time_scale: float = quantity("ms", "time scale r_t", "Table 3, eq. 99", gt=0)
+    initial_recovery: float = quantity("", "recovery variable at the start w_0", "Table 3")
 
     def constants(self) -> Constants:
         """Parameters as the equations read them."""
@@ -54,10 +55,6 @@ class AlievPanfilov(CellModel):
             self.potential_rest,
             self.time_scale,
         )
-
-    def resting_recovery(self) -> float:
-        """Recovery variable at rest, w_0 of Table 3."""
-        return 0.0
 
 
 def ionic_current(v: float, w: float, p: Constants) -> float:

@@ -10,7 +10,8 @@ from stages.configuration import Section
 class CellModel(Section):
     """Parameters of a cell model; its equations are plain functions beside the class.
 
-    A cell model file holds a subclass of this, names it in ``MODEL``, and defines at module level
+    A cell model file holds a subclass of this that also declares where ``initial_recovery`` comes
+    from, names it in ``MODEL``, and defines at module level
 
     - ``ionic_current(v, w, p) -> float``: I_ion / C_m in mV/ms, outward positive (enters dv/dt with
       a minus sign);
@@ -22,11 +23,8 @@ class CellModel(Section):
     """
 
     name: str
+    initial_recovery: float
 
     def constants(self) -> NamedTuple:
         """Parameters as the equations read them."""
         raise TypeError(f"{type(self).__name__} does not say its constants")
-
-    def resting_recovery(self) -> float:
-        """Recovery variable at rest."""
-        raise TypeError(f"{type(self).__name__} does not say its resting state")
