@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from pipeline.nodes import StageRun, stage
 from stages.activation.config import TransferConfig
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface, StressSamples
 
-if TYPE_CHECKING:
-    from stages.numerics.bsplines import Array
+REMEDY = (
+    "Simulate longer cells (electrophysiology.duration) or a shorter shell (mechanics.duration)."
+)
 
 
 @stage
@@ -27,23 +26,26 @@ def activation(
     """
     import numpy as np
 
-    from stages.activation.transfer import SurfaceTransfer, check_covered, resample
+    from stages.activation.transfer import SurfaceTransfer
     from stages.numerics.quadrature import quadrature_grid
+    from stages.numerics.time_series import TimeSeries
 
     grid = quadrature_grid(mid_surface.patch, config.points)
     transfer = SurfaceTransfer.between(surface.patch, grid.theta1, grid.theta2)
     wanted = np.linspace(0.0, config.duration, config.n_steps + 1)
     points = grid.theta1.size * grid.theta2.size
     samples = run.stream(StressSamples, frames=wanted.size, shapes={"active_stress": (points,)})
-
-    def frame(index: int) -> Array:
-        return np.asarray(history.active_stress[index], dtype=float)
-
-    times = np.asarray(history.time)
-    check_covered(times, wanted)
+    cells = TimeSeries(
+        history.active_stress,
+        history.time,
+        name="active stress",
+        known="the electrophysiology ran",
+        remedy=REMEDY,
+    )
+    cells.check_covers(wanted)
     run.resume()
-    for stress in resample(times, wanted[samples.frames_done :], frame):
-        samples.append(active_stress=config.scale * transfer(stress))
+    for time in wanted[samples.frames_done :]:
+        samples.append(active_stress=config.scale * transfer(cells.at(time)))
         run.progress(samples.frames_done, wanted.size)
         run.checkpoint(dict)
     return samples.finish(time=wanted)

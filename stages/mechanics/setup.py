@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stages.artefacts import Laminate, StressSamples
@@ -11,7 +9,6 @@ from stages.mechanics.config import MechanicsConfig
 from stages.mechanics.dynamics import ShellDynamics, TimeLoop
 from stages.mechanics.shell import Shell, build_shell
 from stages.mechanics.supports import fixed_degrees
-from stages.numerics.bsplines import Array
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
 from stages.numerics.time_stepping import GeneralizedAlpha
@@ -63,32 +60,6 @@ def controls_of(config: MechanicsConfig, shell: Shell) -> NewtonControls:
         force_tolerance=config.force_tolerance,
         max_iterations=config.max_iterations,
     )
-
-
-class FrameReader:
-    """Frames of a stored history, read by whole blocks: a frame alone would cost its whole chunk.
-
-    Parameters
-    ----------
-    frames
-        Array or stored array whose first axis is time.
-    block
-        Frames read together.
-    """
-
-    def __init__(self, frames: Any, block: int = 64) -> None:
-        self._frames = frames
-        self._size = block
-        self._start = -1
-        self._block: Array = np.empty(0)
-
-    def __call__(self, index: int) -> Array:
-        """Frame ``index``."""
-        start = index - index % self._size
-        if start != self._start:
-            self._block = np.asarray(self._frames[start : start + self._size], dtype=float)
-            self._start = start
-        return np.asarray(self._block[index - start])
 
 
 def check_inputs(config: MechanicsConfig, patch: Patch, stress: StressSamples) -> None:

@@ -25,7 +25,8 @@ def mechanics(
     """Motion of the film from rest, step by step (secs. 3.1-3.2)."""
     import numpy as np
 
-    from stages.mechanics.setup import FrameReader, build_loop, check_inputs
+    from stages.mechanics.setup import build_loop, check_inputs
+    from stages.numerics.time_series import FrameReader
     from stages.numerics.time_stepping import Motion
 
     loop = build_loop(config, mid_surface.patch, laminate)

@@ -168,6 +168,19 @@ class SplineSpace:
             bands[p - offset, start : start + diagonal.size] = diagonal
         return np.asarray(solve_banded((p, p), bands, values), dtype=float)
 
+    def cardinals(self, x: Array) -> Array:
+        """Matrix of the splines that are 1 at one Greville point and 0 at the others, ``(points, n)``.
+
+        It takes values at the Greville points to values of their spline at ``x`` (eqs. 86-87).
+
+        Examples
+        --------
+        >>> space = SplineSpace.uniform(degree=2, elements=3)
+        >>> (space.cardinals(np.array([0.3])) @ space.greville() ** 2).round(12).tolist()
+        [0.09]
+        """
+        return self.evaluate(x) @ self.interpolate(np.eye(self.size))
+
     def insert(self, new_knots: Array) -> SplineSpace:
         """Space with more knots, same degree; contains this one."""
         return SplineSpace(self.degree, np.sort(np.concatenate((self.knots, new_knots))))

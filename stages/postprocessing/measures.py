@@ -13,11 +13,11 @@ from stages.artefacts import (
 )
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
+from stages.numerics.time_series import blocks
 from stages.postprocessing.beats import arrival_times, beat_peaks, conduction_velocity
 from stages.postprocessing.config import PostprocessingConfig
 from stages.postprocessing.curvature import arc_length, curvature_from_projection, widest_point
 from stages.postprocessing.probes import (
-    blocks,
     collocation_weights,
     control_weights,
     probe_parameters,

@@ -8,15 +8,11 @@ import pytest
 from pipeline.testing import interrupted_and_resumed
 from stages.activation.config import TransferConfig
 from stages.activation.stage import activation
-from stages.activation.transfer import (
-    SurfaceTransfer,
-    TimesOutsideHistoryError,
-    check_covered,
-    resample,
-)
+from stages.activation.transfer import SurfaceTransfer
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.time_series import TimesNotCoveredError
 
 FILM = Patch.rectangle(3.5, 2.0)
 SURFACE = FILM.refine(2, (20, 12))
@@ -41,6 +37,7 @@ def test_a_quadratic_field_is_transferred_exactly() -> None:
     grid = quadrature_grid(SHELL, 3)
     transfer = SurfaceTransfer.between(SURFACE, grid.theta1, grid.theta2)
     exact = field(SHELL.evaluate(grid.theta1, grid.theta2))
+    # round-off of values up to 50, through interpolation matrices of condition below 10
     np.testing.assert_allclose(transfer(field(points_of(SURFACE))), exact, atol=1e-12)
 
 
@@ -54,22 +51,8 @@ def test_a_smooth_field_converges_at_third_order() -> None:
         at = SHELL.evaluate(grid.theta1, grid.theta2)
         exact = np.sin(2.0 * at[:, 0]) * np.cos(1.5 * at[:, 1])
         errors.append(np.abs(transfer(np.sin(2.0 * x) * np.cos(1.5 * y)) - exact).max())
+    # quadratic splines: third order, from above 2.8 on meshes of two elements per radian
     assert np.log2(errors[1] / errors[2]) > 2.8
-
-
-def test_frames_are_linear_in_time_between_two_and_exact_on_them() -> None:
-    times = np.array([0.0, 1.0, 2.0, 4.0])
-    frames = np.array([[0.0], [10.0], [20.0], [0.0]])
-    wanted = np.array([0.0, 0.25, 1.0, 3.0, 4.0])
-    found = [float(f[0]) for f in resample(times, wanted, frames.__getitem__)]
-    np.testing.assert_allclose(found, [0.0, 2.5, 10.0, 10.0, 0.0], rtol=1e-15)
-    assert found[2] == 10.0
-
-
-@pytest.mark.parametrize("wanted", [[-0.1, 1.0], [0.0, 4.1]])
-def test_times_outside_the_history_are_refused(wanted: list[float]) -> None:
-    with pytest.raises(TimesOutsideHistoryError, match="ran from 0 to 4 ms only"):
-        check_covered(np.arange(5.0), np.array(wanted))
 
 
 def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
@@ -79,23 +62,30 @@ def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
     samples = activation.compute(
         config, history_of(times, frames), ExcitableSurface(SURFACE), MidSurface(SHELL)
     )
-    np.testing.assert_allclose(samples.time, np.arange(9) * 2.5)
+    np.testing.assert_array_equal(samples.time, np.arange(9) * 2.5)  # binary fractions
     stress = np.asarray(samples.active_stress)
     assert stress.shape == (9, 8 * 3 * 4 * 3)
     exact = 0.5 * np.arange(9) * 2.5
-    np.testing.assert_allclose(stress, np.broadcast_to(exact[:, None], stress.shape), atol=1e-12)
+    # constant in space, linear in time: round-off of values up to 10
+    np.testing.assert_allclose(stress, np.broadcast_to(exact[:, None], stress.shape), atol=1e-13)
 
 
 def test_a_shell_that_outlasts_the_cells_is_refused() -> None:
     times = np.arange(0.0, 11.0)
     config = TransferConfig(scale=1.0, duration=20.0, n_steps=8, points=3)
-    with pytest.raises(TimesOutsideHistoryError, match=r"from 0 to 20 ms.*from 0 to 10 ms only"):
+    expected = (
+        "^active stress is needed from 0 to 20 ms, "
+        "but the electrophysiology ran from 0 to 10 ms only$"
+    )
+    with pytest.raises(TimesNotCoveredError, match=expected) as refusal:
         activation.compute(
             config,
             history_of(times, np.zeros((11, SURFACE.size))),
             ExcitableSurface(SURFACE),
             MidSurface(SHELL),
         )
+    assert "electrophysiology.duration" in refusal.value.remedy
+    assert "mechanics.duration" in refusal.value.remedy
 
 
 @pytest.mark.parametrize("after", [1, 4, 9], ids=["first frame", "in between", "last frame"])

@@ -42,6 +42,13 @@ def test_interpolation_reproduces_polynomials_and_their_derivatives(space: Splin
 
 
 @given(spline_spaces())
+def test_cardinal_splines_are_one_at_their_own_greville_point(space: SplineSpace) -> None:
+    # round-off times the condition of interpolation, below 1e3 for degree 4 on uneven spans
+    at_points = space.cardinals(space.greville())
+    np.testing.assert_allclose(at_points, np.eye(space.size), atol=1e-12)
+
+
+@given(spline_spaces())
 def test_only_the_local_functions_differ_from_zero(space: SplineSpace) -> None:
     x = np.linspace(space.knots[0], space.knots[-1], 17)
     first, values = space.local(x, derivatives=1)

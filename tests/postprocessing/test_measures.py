@@ -120,7 +120,7 @@ def test_the_curvature_grows_as_prescribed(measures: Measures) -> None:
 
 def test_mechanics_longer_than_the_electrophysiology_is_refused() -> None:
     deformation = rolling_film(np.linspace(0.0, 600.0, 3))
-    with pytest.raises(ValueError, match="covers 0 to 500 ms"):
+    with pytest.raises(ValueError, match="ran from 0 to 500 ms only"):
         take_measures(
             CONFIG, travelling_wave(), ExcitableSurface(CELLS), MidSurface(FILM), deformation
         )

@@ -13,7 +13,7 @@ from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
 from workflows.exports import paraview, probes
 from workflows.exports.files import replacing
-from workflows.exports.sampling import FilmGrid, Frames
+from workflows.exports.sampling import FilmGrid
 
 
 @pytest.fixture(scope="module")
@@ -89,23 +89,6 @@ def test_fields_of_both_meshes_are_sampled_at_the_same_material_points(
     places = patch.evaluate(*(space.greville() for space in patch.spaces))
     # X at the collocation points, sampled as a field, is X of the film: both are in their spaces.
     np.testing.assert_allclose(grid.cell_field(places[:, 0]), grid.reference[..., 0], atol=1e-13)
-
-
-def test_frames_between_stored_ones_are_linear_and_each_block_is_read_once() -> None:
-    class Counted:
-        reads = 0
-
-        def __getitem__(self, part: slice) -> np.ndarray:
-            Counted.reads += 1
-            return np.arange(200.0)[part, None]
-
-    frames = Frames(Counted(), 0.5 * np.arange(200.0))  # type: ignore[arg-type]  # like zarr
-    assert [float(frames.at(t)[0]) for t in (0.0, 0.25, 10.0, 30.0)] == [0.0, 0.5, 20.0, 60.0]
-    assert Counted.reads == 1
-    assert float(frames.at(31.75)[0]) == 63.5  # between two blocks
-    assert Counted.reads == 2
-    assert float(frames.at(99.5)[0]) == 199.0
-    assert float(frames.at(99.5 + 1e-12)[0]) == 199.0
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:

@@ -16,9 +16,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.numerics.time_series import TimeSeries
 from workflows.experiment import Experiment
 from workflows.exports.files import replacing
-from workflows.exports.sampling import FilmGrid, Frames
+from workflows.exports.sampling import FilmGrid
 
 VTK_QUAD = 9
 QUADS_PER_ELEMENT = 2
@@ -62,8 +63,8 @@ def _write_series(file: h5py.File, experiment: Experiment, grid: FilmGrid) -> No
     data = root.create_group("PointData")
     moved = _per_frame(data, "displacement", n_frames, n_points, 3)
     scalars = {name: _per_frame(data, name, n_frames, n_points) for name in SCALARS}
-    control = Frames(deformation.displacement, time)
-    cells = {name: Frames(getattr(history, name), history.time) for name in SCALARS}
+    control = TimeSeries(deformation.displacement, time)
+    cells = {name: TimeSeries(getattr(history, name), history.time) for name in SCALARS}
     for frame, t in enumerate(time):
         rows = slice(frame * n_points, (frame + 1) * n_points)
         displacement = grid.displacement(control.at(t))

@@ -1,4 +1,4 @@
-"""The deformed film on a grid of points, frame by frame."""
+"""The deformed film on a grid of points."""
 
 from __future__ import annotations
 
@@ -9,42 +9,6 @@ import numpy as np
 
 from stages.numerics.bsplines import Array, SplineSpace
 from workflows.experiment import Experiment
-
-BLOCK = 64
-"""Frames read at once: the chunk length of stored histories."""
-
-
-class Frames:
-    """Frames of a stored history at any time, linear between stored ones.
-
-    One block of frames is kept; asking for times in increasing order reads every block once.
-    """
-
-    def __init__(self, field: Array, time: Array) -> None:
-        self._field = field
-        self._time = np.asarray(time, dtype=float)
-        self._block = -1
-        self._frames: Array = np.empty(0)
-
-    def at(self, time: float) -> Array:
-        """Frame at a time, in double precision; before the first and after the last: these."""
-        place = float(np.interp(time, self._time, np.arange(self._time.size)))
-        left = int(place)
-        part = place - left
-        if part < 1e-9:  # rounding of i * dt
-            return self._frame(left)
-        if part > 1 - 1e-9:
-            return self._frame(left + 1)
-        earlier = self._frame(left)
-        return (1 - part) * earlier + part * self._frame(left + 1)
-
-    def _frame(self, index: int) -> Array:
-        block, offset = divmod(index, BLOCK)
-        if block != self._block:
-            start = block * BLOCK
-            self._frames = np.asarray(self._field[start : start + BLOCK], dtype=float)
-            self._block = block
-        return self._frames[offset]
 
 
 @dataclass(frozen=True)
@@ -73,12 +37,18 @@ class FilmGrid:
     @cached_property
     def _shell(self) -> tuple[Array, Array]:
         first, second = self.experiment.geometry.mid_surface.patch.spaces
-        return _points(first, self.shape[0]), _points(second, self.shape[1])
+        return (
+            first.evaluate(_grid(first, self.shape[0])),
+            second.evaluate(_grid(second, self.shape[1])),
+        )
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
         first, second = self.experiment.geometry.excitable_surface.patch.spaces
-        return _cardinals(first, self.shape[0]), _cardinals(second, self.shape[1])
+        return (
+            first.cardinals(_grid(first, self.shape[0])),
+            second.cardinals(_grid(second, self.shape[1])),
+        )
 
     @cached_property
     def reference(self) -> Array:
@@ -98,10 +68,5 @@ class FilmGrid:
         return first @ collocation_values.reshape(first.shape[1], second.shape[1]) @ second.T
 
 
-def _points(space: SplineSpace, count: int) -> Array:
-    return space.evaluate(np.linspace(space.knots[0], space.knots[-1], count))
-
-
-def _cardinals(space: SplineSpace, count: int) -> Array:
-    """Splines that are 1 at one collocation point and 0 at the others, ``(count, n)``."""
-    return _points(space, count) @ space.interpolate(np.eye(space.size))
+def _grid(space: SplineSpace, count: int) -> Array:
+    return np.linspace(space.knots[0], space.knots[-1], count)

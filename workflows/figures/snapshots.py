@@ -11,8 +11,9 @@ from matplotlib.colors import Normalize
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]  # ships no types
 
 from stages.numerics.bsplines import Array
+from stages.numerics.time_series import TimeSeries
 from workflows.experiment import Experiment
-from workflows.exports.sampling import FilmGrid, Frames
+from workflows.exports.sampling import FilmGrid
 from workflows.figures.style import FAINT, INK, drawing, save
 
 PAPER_TIMES = (0.0, 100.0, 435.0, 575.0, 775.0, 875.0)
@@ -31,8 +32,8 @@ def write(experiment: Experiment, folder: Path) -> None:
     history, deformation = experiment.history, experiment.deformation
     times = snapshot_times(float(deformation.time[-1]))
     grid = FilmGrid.square(experiment, QUADS_ALONG)
-    control = Frames(deformation.displacement, deformation.time)
-    cells = Frames(history.potential, history.time)
+    control = TimeSeries(deformation.displacement, deformation.time)
+    cells = TimeSeries(history.potential, history.time)
     shapes = [grid.reference + grid.displacement(control.at(t)) for t in times]
     potentials = [grid.cell_field(cells.at(t)) for t in times]
     box = _common_box([grid.reference, *shapes])
