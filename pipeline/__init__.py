@@ -4,6 +4,7 @@ Where things are:
 
 - ``nodes`` (``stage``, ``Node``), ``runs`` (what a running stage may ask), ``records``, ``annotations``
 - ``canonical``, ``fingerprint``, ``keys``: what makes two results the same
+- ``loaded``, ``freshness``: whether the code in memory is the code that a key states
 - ``store``, ``manifest``, ``locks``, ``durable``, ``codecs``: how results are kept
 - ``plan``, ``reasons``: what would run, and why
 - ``runner``, ``execution``, ``storerun``, ``streams``, ``frames``, ``checkpoints``, ``interrupts``:
@@ -11,5 +12,10 @@ Where things are:
 - ``config``: tables, overrides and units to one validated configuration
 - ``events``, ``errors``, ``provenance``, ``memory``, ``testing``
 
-Only running a stage or loading a result imports numpy, HDF5 and zarr.
+Only running a stage or loading a result imports numpy, HDF5 and zarr. Importing the engine begins to
+note the state of the source files of modules loaded from then on (``loaded``).
 """
+
+from pipeline.loaded import watch
+
+watch()

@@ -16,6 +16,7 @@ from pipeline.durable import remove_tree, storing
 from pipeline.errors import MyofilmError, StageError, StoreError
 from pipeline.events import Listener, StageFailed, StageFinished, StageStarted
 from pipeline.fingerprint import locate
+from pipeline.freshness import check_loaded
 from pipeline.interrupts import deferred_interrupts
 from pipeline.keys import Ref, Statement
 from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, whole_content
@@ -47,18 +48,22 @@ def execute(
     Raises
     ------
     StageError
-        If the stage raises.
+        If the stage raises, or its code in memory is not the code that its key states.
     StoreError
         If an input cannot be read or the result cannot be written.
     """
-    stage, key = task.node.stage, task.statement.key
+    stage, key, code = task.node.stage, task.statement.key, task.statement.code
+    check_loaded(stage.name, code)
     started = _now()
-    run = StoreRun(task.name, stage.name, key, task.node.record, work, listen, checkpoint_interval)
+    run = StoreRun(
+        task.name, stage.name, key, code, task.node.record, work, listen, checkpoint_interval
+    )
     resumed = run.resumed_frames
     listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
     try:
         inputs = {role: _load(task, role, store) for role in task.inputs}
         _compute(task, inputs, run)
+        check_loaded(stage.name, code)  # again: modules may have been loaded on the way
         manifest = _manifest(task, run, started)
         work.publish(manifest)
     except BaseException as error:

@@ -13,19 +13,20 @@ import importlib.util
 import sys
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 from pipeline.canonical import DIGEST_BYTES, digest
 from pipeline.errors import InputError
+from pipeline.loaded import State, state
 
 
 @dataclass(frozen=True)
 class Fingerprint:
-    """Digest of a closure and of each module in it."""
+    """Digest of a closure and of each module in it; ``bare`` modules hold no code and do not count."""
 
     digest: str
     modules: dict[str, str]
+    bare: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ def fingerprint(roots: Iterable[str], packages: Collection[str]) -> Fingerprint:
         If a root has no source file, or a module is not valid Python.
     """
     modules: dict[str, str] = {}
+    bare: list[str] = []
     seen: set[str] = set()
     waiting = list(roots)
     for root in waiting:
@@ -67,12 +69,14 @@ def fingerprint(roots: Iterable[str], packages: Collection[str]) -> Fingerprint:
             continue
         seen.add(name)
         source = read_source(path, name)
-        if source.digest is not None:
+        if source.digest is None:
+            bare.append(name)
+        else:
             modules[name] = source.digest
         waiting.extend(source.imports)
         waiting.extend(_parents(name))
     ordered = dict(sorted(modules.items()))
-    return Fingerprint(digest(ordered), ordered)
+    return Fingerprint(digest(ordered), ordered, tuple(sorted(bare)))
 
 
 def locate(name: str) -> Path | None:
@@ -89,12 +93,25 @@ def locate(name: str) -> Path | None:
 
 def read_source(path: Path, name: str) -> SourceFile:
     """Digest and imports of a source file, memoised by its path, modification time and size."""
-    status = path.stat()
-    return _read_source(path, name, status.st_mtime_ns, status.st_size)
+    while True:
+        before = state(path)
+        source = _KNOWN.get((path, name, before)) or _parsed(path, name)
+        if state(path) == before:  # otherwise it was saved while it was read
+            _KNOWN[path, name, before] = source
+            return source
 
 
-@lru_cache(maxsize=4096)
-def _read_source(path: Path, name: str, mtime_ns: int, size: int) -> SourceFile:
+def known_source(path: Path, name: str, at: State) -> SourceFile | None:
+    """A source file in a present or past state; ``None`` if that past state was never read."""
+    if state(path) == at:
+        return read_source(path, name)
+    return _KNOWN.get((path, name, at))
+
+
+_KNOWN: dict[tuple[Path, str, State], SourceFile] = {}
+
+
+def _parsed(path: Path, name: str) -> SourceFile:
     try:
         tree = ast.parse(path.read_bytes())
     except SyntaxError as error:

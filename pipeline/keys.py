@@ -77,9 +77,9 @@ def key_of(
     )
 
 
-def statement(stage: str, module: str, config: Any, inputs: Mapping[str, str]) -> Statement:
-    """Statement of a stage defined in a module, for a configuration and content ids of inputs."""
-    return Statement(stage, canonical(config), code_of(module, config), dict(inputs))
+def statement(stage: str, config: Any, code: Fingerprint, inputs: Mapping[str, str]) -> Statement:
+    """Statement of a stage, for a configuration, its code and the content ids of its inputs."""
+    return Statement(stage, canonical(config), code, dict(inputs))
 
 
 def code_of(module: str, config: Any) -> Fingerprint:

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from pipeline.keys import Statement, statement
+from pipeline.fingerprint import Fingerprint
+from pipeline.keys import Statement, code_of, statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
 from pipeline.reasons import UNKNOWN, Reason, nearest
@@ -114,10 +115,15 @@ def input_entries(
     return entries
 
 
-def statement_of(node: Node[Any], inputs: Mapping[str, InputEntry]) -> Statement:
+def fingerprint_of(node: Node[Any]) -> Fingerprint:
+    """Fingerprint of the code of a node, as its files are now."""
+    return code_of(node.stage.module, node.config)
+
+
+def statement_of(node: Node[Any], code: Fingerprint, inputs: Mapping[str, InputEntry]) -> Statement:
     """Key statement of a node."""
     contents = {role: entry.content for role, entry in inputs.items()}
-    return statement(node.stage.name, node.stage.module, node.config, contents)
+    return statement(node.stage.name, node.config, code, contents)
 
 
 def _judge(name: str, node: Node[Any], store: Store, found: Mapping[int, Manifest]) -> Verdict:
@@ -126,7 +132,7 @@ def _judge(name: str, node: Node[Any], store: Store, found: Mapping[int, Manifes
     known = {role: source for role, source in node.inputs.items() if id(nodes[role]) in found}
     waits_for = tuple(dict.fromkeys(n.stage.name for role, n in nodes.items() if role not in known))
     inputs = input_entries(known, found)
-    stated = statement_of(node, inputs)
+    stated = statement_of(node, fingerprint_of(node), inputs)
     if not waits_for and (manifest := store.find(stated.ref)):
         return Hit(name, stage, stated.key, manifest)
     key = None if waits_for else stated.key

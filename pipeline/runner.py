@@ -11,7 +11,7 @@ from pipeline.events import Listener, StageHit, StageWaiting, StageWarned, ignor
 from pipeline.keys import Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, in_order
-from pipeline.plan import input_entries, statement_of
+from pipeline.plan import fingerprint_of, input_entries, statement_of
 from pipeline.provenance import version_changes
 from pipeline.reasons import nearest
 from pipeline.store import Store
@@ -99,15 +99,19 @@ def run(
     Raises
     ------
     StageError
-        If a stage fails; what was published before stays.
+        If a stage fails, or its code was edited after this process had loaded it; what was
+        published before stays.
     StoreError
         If the store cannot be read or written.
     """
     manifests: dict[int, Manifest] = {}
     outcomes: dict[int, Outcome] = {}
+    # Of all nodes now: a file saved while the first stage computes must not enter a later key.
+    codes = {id(node): fingerprint_of(node) for _, node in in_order(nodes)}
     for name, node in in_order(nodes):
         inputs = input_entries(node.inputs, manifests)
-        manifest, hit = _obtain(name, node, inputs, store, listen, checkpoint_interval)
+        stated = statement_of(node, codes[id(node)], inputs)
+        manifest, hit = _obtain(name, node, stated, inputs, store, listen, checkpoint_interval)
         manifests[id(node)] = manifest
         outcomes[id(node)] = Outcome(
             name, node.stage.name, manifest.key, hit, manifest, store, node.record
@@ -118,13 +122,13 @@ def run(
 def _obtain(
     name: str,
     node: Node[Any],
+    stated: Statement,
     inputs: Mapping[str, InputEntry],
     store: Store,
     listen: Listener,
     checkpoint_interval: float,
 ) -> tuple[Manifest, bool]:
     """Manifest of a node's result, and whether it was there: check, lock, check again, compute."""
-    stated = statement_of(node, inputs)
     stage, key = node.stage.name, stated.key
     manifest = store.find(stated.ref)
     if manifest is None:

@@ -14,7 +14,9 @@ from pipeline.checkpoints import Checkpoint, UnusableCheckpoint, chunk_files, ke
 from pipeline.codecs import part_path
 from pipeline.durable import storing, sync_tree
 from pipeline.events import Event, Listener, StageProgress, StageWarned
+from pipeline.fingerprint import Fingerprint
 from pipeline.frames import FrameShapes
+from pipeline.freshness import check_loaded
 from pipeline.interrupts import Interrupts
 from pipeline.records import parts_of, stored_as
 from pipeline.store import Workspace
@@ -31,7 +33,7 @@ class StoreRun:
 
     Parameters
     ----------
-    node, stage, key
+    node, stage, key, code
         What runs.
     record
         Record class of the result.
@@ -48,12 +50,13 @@ class StoreRun:
         node: str,
         stage: str,
         key: str,
+        code: Fingerprint,
         record: type,
         work: Workspace,
         listen: Listener,
         checkpoint_interval: float,
     ) -> None:
-        self.node, self.stage, self.key, self.work = node, stage, key, work
+        self.node, self.stage, self.key, self.code, self.work = node, stage, key, code, work
         self.interrupts = Interrupts()
         self.histories: dict[str, StoredHistory[Any]] = {}
         self.warnings: list[str] = []
@@ -165,6 +168,7 @@ class StoreRun:
         self._listen(event)
 
     def _save(self, state: Mapping[str, NDArray[Any]]) -> None:
+        check_loaded(self.stage, self.code)  # the checkpoint is one of this code
         with storing(self.work.data):
             sync_tree(self.work.data)  # the chunks must be on the disk before the state says so
         Checkpoint(

@@ -1,0 +1,38 @@
+"""Whether the code in memory is the code that a key states."""
+
+from __future__ import annotations
+
+import sys
+
+from pipeline.errors import StageError
+from pipeline.fingerprint import Fingerprint, known_source, locate
+from pipeline.loaded import loaded_state
+
+
+def check_loaded(stage: str, code: Fingerprint) -> None:
+    """Refuse to go on with a stage when modules in memory differ from those of its fingerprint.
+
+    Raises
+    ------
+    StageError
+        Naming the modules.
+    """
+    edited = [name for name in (*code.modules, *code.bare) if not _is_stated(name, code)]
+    if edited:
+        raise StageError(
+            stage,
+            f"the source of {', '.join(edited)} was edited after this process had loaded or "
+            "fingerprinted it: the result would be kept under the key of other code",
+            remedy="start again in a new process",
+        )
+
+
+def _is_stated(name: str, code: Fingerprint) -> bool:
+    """Whether a module has the digest that is stated; what is not loaded cannot differ."""
+    if name not in sys.modules:
+        return True
+    path = locate(name)
+    if path is None:  # removed since
+        return False
+    source = known_source(path, name, loaded_state(name, path))
+    return source is not None and source.digest == code.modules.get(name)
