@@ -10,7 +10,8 @@ import numpy as np
 from stages.mechanics.shell import Shell
 from stages.mechanics.supports import Fixed
 from stages.numerics.bsplines import Array
-from stages.numerics.newton import Linearisation, NewtonControls, NewtonError
+from stages.numerics.halving import Advance, HalvedSteps
+from stages.numerics.newton import Linearisation, NewtonControls
 from stages.numerics.sparse import SymmetricBand
 from stages.numerics.time_stepping import GeneralizedAlpha, Motion, StepWeights
 
@@ -77,45 +78,41 @@ class LoadedShell:
 
 
 @dataclass(frozen=True)
-class StepResult:
-    """One output step.
+class TimeStep:
+    """An output step or a part of one, with the activation (kPa) at both of its ends.
 
     Attributes
     ----------
-    motion
-        State at its end.
-    iterations
-        Newton iterations, those of all partial steps together.
-    halvings
-        Deepest halving that it took.
+    number
+        Number of the output step.
+    start, length
+        In ms.
     """
 
-    motion: Motion
-    iterations: int
-    halvings: int
+    number: int
+    start: float
+    length: float
+    old: Array
+    new: Array
 
+    remedy = "raise mechanics.n_steps, mechanics.max_halvings or mechanics.max_iterations"
 
-class StepError(Exception):
-    """A time step could not be solved, not even in small parts.
+    @property
+    def place(self) -> str:
+        """Output step and time at its start."""
+        return f"step {self.number}, t = {self.start:g} ms"
 
-    Attributes
-    ----------
-    step, time
-        Number of the output step, and the time (ms) from which it could not go on.
-    history
-        Iterations of the last attempt.
-    remedy
-        What to try.
-    """
+    @property
+    def extent(self) -> str:
+        """Its length."""
+        return f"{self.length:g} ms"
 
-    def __init__(self, step: int, time: float, part: float, failure: NewtonError) -> None:
-        self.step = step
-        self.time = time
-        self.history = failure.history
-        self.remedy = f"{failure.remedy}; or allow more halvings (mechanics.max_halvings)"
-        super().__init__(
-            f"time step {step} failed at t = {time:g} ms, even with a partial step of {part:g} ms: "
-            f"{failure}"
+    def halves(self) -> tuple[TimeStep, TimeStep]:
+        """Two steps of half the length; the activation is linear in between."""
+        half, middle = 0.5 * self.length, 0.5 * (self.old + self.new)
+        return (
+            TimeStep(self.number, self.start, half, self.old, middle),
+            TimeStep(self.number, self.start + half, half, middle, self.new),
         )
 
 
@@ -131,7 +128,7 @@ class TimeLoop:
 
     def run(
         self, activation: Callable[[int], Array], motion: Motion, first: int, last: int
-    ) -> Iterator[StepResult]:
+    ) -> Iterator[Advance[Motion]]:
         """Steps ``first + 1`` to ``last``, from ``motion`` at step ``first``.
 
         ``activation(i)`` is the field at time i dt, shape ``(quadrature point,)``, kPa. The result
@@ -139,52 +136,30 @@ class TimeLoop:
 
         Raises
         ------
-        StepError
+        UnsolvedStepError
             If a step fails in spite of halving; the steps before it have been yielded.
         """
+        steps = HalvedSteps(self._guesses, self._solve, self.max_halvings)
         old = np.asarray(activation(first))
         for index in range(first + 1, last + 1):
             new = np.asarray(activation(index))
-            result = self._advance(index, motion, old, new, 0, 0)
+            step = TimeStep(index, (index - 1) * self.step, self.step, old, new)
+            result = steps.advance(motion, step)
             yield result
-            motion, old = result.motion, new
+            motion, old = result.state, new
 
-    def _advance(
-        self, index: int, motion: Motion, old: Array, new: Array, depth: int, part: int
-    ) -> StepResult:
-        """Part number ``part`` of the 2^depth parts of a step, with its activation at both ends."""
-        step = self.step / 2**depth
-        solved, failures = self._solve(motion, self.scheme.blend(old, new), step)
-        wasted = sum(len(failure.history) for failure in failures)
-        if solved is not None:
-            return StepResult(solved[0], wasted + solved[1], depth)
-        if depth == self.max_halvings:
-            time = (index - 1) * self.step + part * step
-            raise StepError(index, time, step, failures[-1]) from failures[-1]
-        middle = 0.5 * (old + new)
-        first = self._advance(index, motion, old, middle, depth + 1, 2 * part)
-        second = self._advance(index, first.motion, middle, new, depth + 1, 2 * part + 1)
-        return StepResult(
-            second.motion,
-            wasted + first.iterations + second.iterations,
-            max(first.halvings, second.halvings),
-        )
+    def _guesses(self, motion: Motion, step: TimeStep) -> Iterator[Array]:
+        """Displacements to start from.
 
-    def _solve(
-        self, motion: Motion, activation: Array, step: float
-    ) -> tuple[tuple[Motion, int] | None, list[NewtonError]]:
-        """New state and iterations, or none; and the attempts that failed.
-
-        The first guess goes on at the old velocity: it takes 3 to 5 iterations. A film that turns fast
-        is stretched by that; a guess that stays where the film was takes 4 to 7, and rarely fails.
+        To go on at the old velocity takes 3 to 5 iterations. A film that turns fast is stretched by
+        that; to stay where the film was takes 4 to 7, and rarely fails.
         """
-        problem = self.dynamics.under(activation)
-        failures: list[NewtonError] = []
-        for guess in (motion.displacement + step * motion.velocity, motion.displacement):
-            try:
-                moved, solution = self.scheme.step(problem, motion, step, guess, self.controls)
-            except NewtonError as failure:
-                failures.append(failure)
-            else:
-                return (moved, solution.iterations), failures
-        return None, failures
+        onward = motion.displacement + step.length * motion.velocity
+        yield onward
+        if not np.array_equal(onward, motion.displacement):
+            yield motion.displacement
+
+    def _solve(self, motion: Motion, step: TimeStep, guess: Array) -> tuple[Motion, int]:
+        problem = self.dynamics.under(self.scheme.blend(step.old, step.new))
+        moved, solution = self.scheme.step(problem, motion, step.length, guess, self.controls)
+        return moved, solution.iterations

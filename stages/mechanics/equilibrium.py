@@ -10,11 +10,12 @@ import numpy as np
 from stages.mechanics.shell import Shell
 from stages.mechanics.supports import Fixed
 from stages.numerics.bsplines import Array
-from stages.numerics.newton import Linearisation, NewtonControls, NewtonError, newton
+from stages.numerics.halving import Advance, HalvedSteps
+from stages.numerics.newton import Linearisation, NewtonControls, newton
 
 
 @dataclass(frozen=True)
-class Increment:
+class Equilibrium:
     """Equilibrium at one fraction of the activation.
 
     Attributes
@@ -24,41 +25,42 @@ class Increment:
     displacement
         Control displacements, mm, shape ``(dof,)``.
     slope
-        d(displacement)/d(factor) over the increment; the next guess follows it.
-    iterations
-        Newton iterations, those of all partial increments together.
-    halvings
-        Deepest halving that it took.
+        d(displacement)/d(factor) over the last increment; the next guess follows it.
     """
 
     factor: float
     displacement: Array
     slope: Array
-    iterations: int
-    halvings: int
 
 
-class IncrementError(Exception):
-    """A load increment could not be solved, not even in small parts.
+@dataclass(frozen=True)
+class Increment:
+    """The way from one fraction of the activation to a higher one."""
 
-    Attributes
-    ----------
-    factor
-        Fraction of the activation up to which equilibria were found.
-    history
-        Iterations of the last attempt.
-    remedy
-        What to try.
-    """
+    start: float
+    end: float
 
-    def __init__(self, factor: float, part: float, failure: NewtonError) -> None:
-        self.factor = factor
-        self.history = failure.history
-        self.remedy = f"{failure.remedy}; or use more increments"
-        super().__init__(
-            f"no equilibrium found beyond {factor:.4g} of the activation, even with an increment "
-            f"of {part:.2g}: {failure}"
-        )
+    remedy = "use more increments"
+
+    @property
+    def width(self) -> float:
+        """Difference of the two fractions."""
+        return self.end - self.start
+
+    @property
+    def place(self) -> str:
+        """Fraction up to which equilibria were found."""
+        return f"{self.start:.4g} of the activation"
+
+    @property
+    def extent(self) -> str:
+        """Its width."""
+        return f"{self.width:.2g} of the activation"
+
+    def halves(self) -> tuple[Increment, Increment]:
+        """Two increments of half the width."""
+        middle = self.start + 0.5 * self.width
+        return Increment(self.start, middle), Increment(middle, self.end)
 
 
 @dataclass(frozen=True)
@@ -86,39 +88,29 @@ class LoadPath:
     controls: NewtonControls
     max_halvings: int
 
-    def follow(self) -> Iterator[Increment]:
+    def follow(self) -> Iterator[Advance[Equilibrium]]:
         """Equilibria at 1/n, 2/n, ..., 1; each is yielded before the next one is sought.
 
         Raises
         ------
-        IncrementError
+        UnsolvedStepError
             If an increment fails in spite of halving; those before it have been yielded.
         """
+        increments = HalvedSteps(self._guesses, self._solve, self.max_halvings)
         zero = np.zeros(self.shell.size)
-        last = Increment(0.0, zero, zero, 0, 0)
+        last = Equilibrium(0.0, zero, zero)
         for index in range(1, self.increments + 1):
-            last = self._reach(last, index / self.increments, 0)
-            yield last
+            result = increments.advance(last, Increment(last.factor, index / self.increments))
+            yield result
+            last = result.state
 
-    def _reach(self, last: Increment, factor: float, depth: int) -> Increment:
-        width = factor - last.factor
-        guess = last.displacement + width * last.slope
-        try:
-            solution = newton(lambda u: self._linearise(u, factor), guess, self.controls)
-        except NewtonError as failure:
-            if depth == self.max_halvings:
-                raise IncrementError(last.factor, width, failure) from failure
-            first = self._reach(last, last.factor + 0.5 * width, depth + 1)
-            second = self._reach(first, factor, depth + 1)
-            return Increment(
-                factor,
-                second.displacement,
-                second.slope,
-                len(failure.history) + first.iterations + second.iterations,
-                max(first.halvings, second.halvings),
-            )
-        slope = (solution.x - last.displacement) / width
-        return Increment(factor, solution.x, slope, solution.iterations, depth)
+    def _guesses(self, last: Equilibrium, part: Increment) -> tuple[Array]:
+        return (last.displacement + part.width * last.slope,)
+
+    def _solve(self, last: Equilibrium, part: Increment, guess: Array) -> tuple[Equilibrium, int]:
+        solution = newton(lambda u: self._linearise(u, part.end), guess, self.controls)
+        slope = (solution.x - last.displacement) / part.width
+        return Equilibrium(part.end, solution.x, slope), solution.iterations
 
     def _linearise(self, displacement: Array, factor: float) -> Linearisation:
         """R = F_int and K = K_int at a fraction of the activation."""

@@ -58,7 +58,7 @@ def mechanics(
         last=config.n_steps,
     )
     for result in steps:
-        motion = result.motion
+        motion = result.state
         _append(history, loop, motion, result.iterations)
         done = history.frames_done - 1
         if result.halvings:

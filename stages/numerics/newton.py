@@ -59,10 +59,10 @@ class NewtonControls:
     """
 
     length: float
-    displacement_tolerance: float = 1e-7
-    energy_tolerance: float = 1e-8
-    force_tolerance: float = 1e-9
-    max_iterations: int = 15
+    displacement_tolerance: float
+    energy_tolerance: float
+    force_tolerance: float
+    max_iterations: int
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,8 @@ def newton(
     --------
     >>> def root_of_two(x):
     ...     return Linearisation(x**2 - 2.0, lambda b: b / (2.0 * x), float(2.0 * x[0]))
-    >>> solution = newton(root_of_two, np.array([1.0]), NewtonControls(length=1.0))
+    >>> controls = NewtonControls(1.0, 1e-7, 1e-8, 1e-9, max_iterations=15)
+    >>> solution = newton(root_of_two, np.array([1.0]), controls)
     >>> round(float(solution.x[0]), 12), solution.iterations
     (1.414213562373, 5)
     """

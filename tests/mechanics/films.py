@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from stages.artefacts import Laminate, Layer
+from stages.mechanics.config import MechanicsConfig
 from stages.mechanics.materials.base import Material
 from stages.mechanics.materials.neo_hookean import NeoHookean
 from stages.mechanics.materials.neo_hookean_fibre import NeoHookeanFibre
 from stages.mechanics.shell import Shell, build_shell
 from stages.numerics.bsplines import Array, SplineSpace
+from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
 
 PDMS = NeoHookean(density=0.965, shear_modulus=500.0)
@@ -67,6 +71,13 @@ def mixed() -> Patch:
 def shell(patch: Patch, laminate: Laminate | None = None) -> Shell:
     """Shell of the paper's materials."""
     return build_shell(patch, laminate or two_layers(), MATERIALS)
+
+
+def controls(body: Shell, **changes: int) -> NewtonControls:
+    """Newton's tolerances as the configuration has them by default."""
+    names = [field.name for field in fields(NewtonControls) if field.name != "length"]
+    defaults = {name: MechanicsConfig.model_fields[name].default for name in names}
+    return NewtonControls(length=body.extent, **defaults | changes)
 
 
 def random_state(body: Shell, seed: int, size: float = 0.05) -> tuple[Array, Array]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stages.mechanics.equilibrium import Increment, IncrementError, LoadPath
+from stages.mechanics.equilibrium import Equilibrium, LoadPath
 from stages.mechanics.shell import Shell
 from stages.mechanics.supports import fixed_degrees
-from stages.numerics.newton import NewtonControls
+from stages.numerics.halving import UnsolvedStepError
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.surface_geometry import frame_on_grid
@@ -24,14 +24,14 @@ def path(
         fixed_degrees(body.patch, "clamped"),
         np.full(body.points, stress),
         increments,
-        NewtonControls(length=body.extent, max_iterations=iterations),
+        films.controls(body, max_iterations=iterations),
         max_halvings,
     )
 
 
-def bend(body: Shell, stress: float, increments: int) -> Increment:
+def bend(body: Shell, stress: float, increments: int) -> Equilibrium:
     *_, last = path(body, stress, increments).follow()
-    return last
+    return last.state
 
 
 def mean_curvature(body: Shell, displacement: np.ndarray, theta1: float) -> float:
@@ -95,17 +95,18 @@ def test_the_end_of_the_path_does_not_depend_on_the_increments() -> None:
 def test_an_increment_that_fails_is_halved_and_its_factors_stay_on_the_grid() -> None:
     body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
     steps = list(path(body, 9.0, 3, iterations=11).follow())
-    assert [s.factor for s in steps] == [1 / 3, 2 / 3, 1.0]
+    assert [s.state.factor for s in steps] == [1 / 3, 2 / 3, 1.0]
     assert max(s.halvings for s in steps) > 0
     reference = bend(body, 9.0, increments=20)
     # as above
-    assert np.abs(steps[-1].displacement - reference.displacement).max() < 1e-9
+    assert np.abs(steps[-1].state.displacement - reference.displacement).max() < 1e-9
 
 
 def test_a_path_that_cannot_be_followed_keeps_what_was_found_and_says_where_it_ended() -> None:
     body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
-    with pytest.raises(IncrementError, match="no equilibrium found beyond 0 of the") as failure:
+    with pytest.raises(UnsolvedStepError, match=r"even in parts of 0\.25 of the act") as failure:
         next(path(body, 900.0, 2, max_halvings=1).follow())
+    assert failure.value.place == "0 of the activation"
     assert failure.value.history
     assert "increments" in failure.value.remedy
 

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import zarr
 from pydantic import ValidationError
 
+from pipeline.errors import StageError
 from pipeline.memory import MemoryRun, Stopped
+from pipeline.runner import run as compute
+from pipeline.store import LocalStore
 from stages.artefacts import Laminate, Layer, MidSurface, StressSamples
+from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
+from stages.geometry.stage import geometry
 from stages.mechanics.config import MechanicsConfig
 from stages.mechanics.stage import mechanics
 from tests.mechanics import films
+from tests.mechanics.sources import JumpConfig, jump
 
 SURFACE = MidSurface(films.flat((6, 2)))
 FIELDS: dict[str, Any] = {
@@ -81,6 +90,43 @@ def test_a_step_taken_in_parts_is_told_and_counted() -> None:
     assert run.notes["halved_steps"] >= 1
     assert "time step 5 (to t = 25 ms) converged only in parts of" in run.warnings[0]
     assert run.steps[-1] == (8, 8)
+
+
+def test_a_step_without_solution_is_told_in_full_and_what_was_computed_is_kept(
+    tmp_path: Path,
+) -> None:
+    """Through the engine: no load for four steps, then far more than any film bears."""
+    film = geometry(
+        GeometryStageConfig(
+            film=FilmConfig(
+                length=3.5,
+                width=2.0,
+                substrate_thickness=0.018,
+                active_thickness=0.004,
+                fibre_angle=45.0,
+            ),
+            excitable_mesh=MeshConfig(elements=(6, 2), degree=2),
+            shell_mesh=MeshConfig(elements=(6, 2), degree=2),
+        )
+    )
+    stress = jump(JumpConfig(duration=40.0, n_steps=8, points=POINTS, step=4, stress=1e5))
+    inputs = film.part("mid_surface"), film.part("laminate"), stress
+    node = mechanics(config(max_halvings=1), *inputs)
+    with pytest.raises(StageError) as failure:
+        compute({"mechanics": node}, LocalStore(tmp_path / "store"))
+    first, kept, remedy = str(failure.value).splitlines()
+    assert first.startswith(
+        "stage mechanics failed at step 5, t = 20 ms: no solution, even in parts of 2.5 ms: Newton's"
+    )
+    assert re.search(r"max \|R\| by iteration: \d\.\d\de[+-]\d\d", first)
+    assert "mechanics.n_steps" in remedy
+    assert "mechanics.max_halvings" in remedy
+    assert failure.value.kept is not None
+    assert str(failure.value.kept) in kept
+    (found,) = failure.value.kept.rglob("displacement")
+    stored = np.asarray(zarr.open_array(found, mode="r"))
+    np.testing.assert_array_equal(stored[:5], 0.0)  # steps 0 to 4 had no load
+    assert np.isnan(stored[5:]).all()  # and nothing was computed after
 
 
 def test_a_mesh_that_is_not_the_configured_one_is_refused() -> None:

@@ -16,7 +16,13 @@ from stages.numerics.newton import (
 )
 from stages.numerics.sparse import SingularMatrixError
 
-CONTROLS = NewtonControls(length=1.0)
+CONTROLS = NewtonControls(
+    length=1.0,
+    displacement_tolerance=1e-7,
+    energy_tolerance=1e-8,
+    force_tolerance=1e-9,
+    max_iterations=15,
+)
 
 
 def root_of(value: float, power: int = 2) -> object:

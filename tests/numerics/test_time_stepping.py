@@ -13,7 +13,13 @@ from stages.numerics.newton import Linearisation, NewtonControls
 from stages.numerics.time_stepping import GeneralizedAlpha, Motion, StepWeights
 from tests.problems import observed_orders
 
-CONTROLS = NewtonControls(length=1.0, displacement_tolerance=1e-10)
+CONTROLS = NewtonControls(
+    length=1.0,
+    displacement_tolerance=1e-10,
+    energy_tolerance=1e-8,
+    force_tolerance=1e-9,
+    max_iterations=15,
+)
 RADII = [0.0, 0.5, 0.9, 1.0]
 STEPS = (128, 256, 512)
 
