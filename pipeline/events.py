@@ -74,7 +74,10 @@ class StageWarned:
 
 @dataclass(frozen=True)
 class StageStopping:
-    """An interrupt came; the stage stops at its next checkpoint (a second one stops it at once)."""
+    """An interrupt came; the stage stops at its next checkpoint (a second one stops it at once).
+
+    If no checkpoint follows, the stage finishes and the run stops after it.
+    """
 
     node: str
     stage: str

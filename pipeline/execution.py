@@ -14,7 +14,7 @@ from typing import Any
 from pipeline.codecs import load, load_part, save
 from pipeline.durable import remove_tree, storing
 from pipeline.errors import MyofilmError, StageError, StoreError
-from pipeline.events import Listener, StageFailed, StageFinished, StageStarted
+from pipeline.events import Listener, StageFailed, StageFinished, StageStarted, StageStopping
 from pipeline.fingerprint import locate
 from pipeline.freshness import check_loaded
 from pipeline.interrupts import deferred_interrupts
@@ -51,6 +51,8 @@ def execute(
         If the stage raises, or its code in memory is not the code that its key states.
     StoreError
         If an input cannot be read or the result cannot be written.
+    KeyboardInterrupt
+        After publishing, if Ctrl-C came after the last checkpoint.
     """
     stage, key, code = task.node.stage, task.statement.key, task.statement.code
     check_loaded(stage.name, code)
@@ -72,6 +74,8 @@ def execute(
                 remove_tree(work.folder)
         raise
     listen(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
+    if run.interrupts.requested:
+        raise KeyboardInterrupt
     return manifest
 
 
@@ -113,8 +117,12 @@ def _load(task: Task, role: str, store: Store) -> Any:
 def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> None:
     """Run the stage and write what it returns."""
     stage, declared = task.node.stage, task.node.record
+    stopping = StageStopping(task.name, stage.name)
     try:
-        with deferred_interrupts() as run.interrupts, one_blas_thread():
+        with (
+            deferred_interrupts(lambda: run.emit(stopping)) as run.interrupts,
+            one_blas_thread(),
+        ):
             record = stage.compute(task.node.config, run=run, **inputs)
         if type(record) is not declared:
             raise TypeError(f"it returned a {type(record).__name__}, not a {declared.__name__}")

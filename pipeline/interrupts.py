@@ -5,12 +5,17 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 
 class Interrupts:
     """Whether the user asked to stop, and whether that can wait for a checkpoint.
+
+    Parameters
+    ----------
+    on_request
+        Called when an interrupt is deferred, inside the signal handler.
 
     Attributes
     ----------
@@ -20,7 +25,8 @@ class Interrupts:
         Set by the first Ctrl-C that was deferred; the next one stops at once.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_request: Callable[[], None] = lambda: None) -> None:
+        self._on_request = on_request
         self.deferrable = False
         self.requested = False
 
@@ -35,12 +41,14 @@ class Interrupts:
         if not self.deferrable or self.requested:
             raise KeyboardInterrupt
         self.requested = True
+        with contextlib.suppress(RuntimeError):  # it came while a stream was being written to
+            self._on_request()
 
 
 @contextlib.contextmanager
-def deferred_interrupts() -> Iterator[Interrupts]:
+def deferred_interrupts(on_request: Callable[[], None] = lambda: None) -> Iterator[Interrupts]:
     """Defer Ctrl-C in the block; outside the main thread, where none arrives, do nothing."""
-    interrupts = Interrupts()
+    interrupts = Interrupts(on_request)
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
         return

@@ -13,7 +13,15 @@ import pytest
 
 from pipeline import checkpoints, interrupts, storerun
 from pipeline.errors import StageError, StoreError
-from pipeline.events import Event, StageHit, StageStarted, StageWaiting, StageWarned
+from pipeline.events import (
+    Event,
+    StageFinished,
+    StageHit,
+    StageStarted,
+    StageStopping,
+    StageWaiting,
+    StageWarned,
+)
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node, StageRun, stage
 from pipeline.runner import run
@@ -168,7 +176,8 @@ def test_an_interrupted_run_saves_where_it_is_and_resumes_there(
     process = start(slow(store).replace("checkpoint_interval=0", "checkpoint_interval=3600"))
     read_until(process, "70")
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=60)
+    assert "StageStopping" in out
     assert "KeyboardInterrupt" in err
     assert (resumed_frames(store) or 0) >= 70
     assert_same_bytes(store, unbroken)
@@ -184,6 +193,41 @@ def test_an_interrupt_is_deferred_only_where_checkpoints_are_made() -> None:
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@stage
+def interrupted_late(config: toy.MeshConfig, *, run: StageRun) -> toy.Wave:
+    history = run.stream(toy.Wave, frames=2, shapes={"potential": (1,), "energy": ()})
+    for _ in range(2):
+        history.append(potential=[0.0], energy=0.0)
+        run.checkpoint(dict)
+    signal.raise_signal(signal.SIGINT)
+    return history.finish(time=np.arange(2.0), resumed=False)
+
+
+def test_an_interrupt_after_the_last_checkpoint_keeps_the_result_and_stops_the_run(
+    store: LocalStore,
+) -> None:
+    events: list[Event] = []
+    nodes: dict[str, Node[Any]] = {
+        "late": interrupted_late(toy.MeshConfig()),
+        "next": toy.mesh(toy.MeshConfig()),
+    }
+    with pytest.raises(KeyboardInterrupt):
+        run(nodes, store, listen=events.append)
+    assert [type(event) for event in events] == [StageStarted, StageStopping, StageFinished]
+    assert [ref.stage for ref in store.refs()] == ["interrupted_late"]
+    assert {name: o.hit for name, o in run(nodes, store).items()} == {"late": True, "next": False}
+
+
+def test_a_listener_that_cannot_write_inside_the_signal_handler_does_not_fail_the_stage() -> None:
+    def reentrant() -> None:
+        raise RuntimeError("reentrant call inside <_io.BufferedWriter>")
+
+    with interrupts.deferred_interrupts(reentrant) as asked:
+        asked.deferrable = True
+        signal.raise_signal(signal.SIGINT)
+        assert asked.requested
 
 
 @stage
