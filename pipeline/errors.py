@@ -37,6 +37,8 @@ class StageError(MyofilmError):
         What went wrong, with its numbers.
     place
         Where in the computation, for instance ``"t = 12.5 ms"``; empty when unknown.
+    after
+        What was finished before, for instance ``"4 of 8 steps"``; told where no place is known.
     remedy
         What the user can try; empty when unknown.
     kept
@@ -55,15 +57,18 @@ class StageError(MyofilmError):
         cause: str,
         *,
         place: str = "",
+        after: str = "",
         remedy: str = "",
         kept: Path | None = None,
     ) -> None:
         self.stage = stage
         self.cause = cause
         self.place = place
+        self.after = after
         self.remedy = remedy
         self.kept = kept
-        lines = [f"stage {stage} failed{f' at {place}' if place else ''}: {cause}"]
+        where = f" at {place}" if place else f" after {after}" if after else ""
+        lines = [f"stage {stage} failed{where}: {cause}"]
         if kept is not None:
             lines.append(f"What was computed until then is kept in {kept}")
         if remedy:

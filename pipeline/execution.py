@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.codecs import load, load_part, save
+from pipeline.codecs import save
 from pipeline.durable import remove_tree, storing
 from pipeline.errors import MyofilmError, StageError, StoreError
 from pipeline.events import Listener, StageFailed, StageFinished, StageStarted, StageStopping
@@ -19,11 +19,12 @@ from pipeline.fingerprint import locate
 from pipeline.freshness import check_loaded
 from pipeline.interrupts import deferred_interrupts
 from pipeline.keys import Ref, Statement
+from pipeline.loading import load_result
 from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, whole_content
-from pipeline.nodes import Node, Part
+from pipeline.nodes import Node, source_node
 from pipeline.provenance import environment
 from pipeline.records import WHOLE
-from pipeline.store import Store, Workspace
+from pipeline.store import Store, Workspace, damaged
 from pipeline.storerun import StoreRun
 from pipeline.threads import one_blas_thread
 
@@ -64,7 +65,7 @@ def execute(
     listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
     try:
         inputs = {role: _load(task, role, store) for role in task.inputs}
-        _compute(task, inputs, run)
+        _compute(task, inputs, run, store)
         check_loaded(stage.name, code)  # again: modules may have been loaded on the way
         manifest = _manifest(task, run, started)
         work.publish(manifest)
@@ -106,15 +107,11 @@ def _manifest(task: Task, run: StoreRun, started: str) -> Manifest:
 
 
 def _load(task: Task, role: str, store: Store) -> Any:
-    source, entry = task.node.inputs[role], task.inputs[role]
-    folder = store.data(Ref(entry.stage, entry.key))
-    with storing(folder):
-        if isinstance(source, Part):
-            return load_part(folder, source.name, source.record)
-        return load(folder, source.record)
+    entry, node = task.inputs[role], source_node(task.node.inputs[role])
+    return load_result(store, Ref(entry.stage, entry.key), node.record, entry.part)
 
 
-def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> None:
+def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun, store: Store) -> None:
     """Run the stage and write what it returns."""
     stage, declared = task.node.stage, task.node.record
     stopping = StageStopping(task.name, stage.name)
@@ -131,22 +128,29 @@ def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun) -> None:
     except MyofilmError:
         raise
     except Exception as error:
+        _check_inputs(task, store, error)
         failure = _failure(stage.name, error, run)
         run.emit(StageFailed(task.name, stage.name, failure.cause))
         raise failure from error
+
+
+def _check_inputs(task: Task, store: Store, error: Exception) -> None:
+    """Tell of a damaged input instead of the failure that it led to."""
+    for entry in task.inputs.values():
+        ref = Ref(entry.stage, entry.key)
+        if problems := store.verify(ref, full=True):
+            raise damaged(ref, store.data(ref).parent, problems) from error
 
 
 def _failure(stage: str, error: Exception, run: StoreRun) -> StageError:
     cause = str(error).strip() or type(error).__name__
     if isinstance(error, TypeError | AttributeError | LookupError | AssertionError | NameError):
         cause = f"{type(error).__name__}: {cause}"  # not written for users: the type helps
-    place = getattr(error, "place", "")
-    if not place and run.step is not None:
-        place = f"step {run.step[0]} of {run.step[1]}"
     return StageError(
         stage,
         cause,
-        place=place,
+        place=getattr(error, "place", "") or "",
+        after="" if run.step is None else f"{run.step[0]} of {run.step[1]} steps",
         remedy=getattr(error, "remedy", "") or "",
         kept=_kept(run),
     )

@@ -23,6 +23,11 @@ class FileEntry:
     size: int
     sha256: str
 
+    @property
+    def part(self) -> str:
+        """Part that the file belongs to: those of part ``p`` are ``p.h5`` or in the folder ``p.zarr``."""
+        return self.path.partition("/")[0].rpartition(".")[0]
+
 
 @dataclass(frozen=True)
 class InputEntry:
@@ -134,14 +139,11 @@ def sha256(path: Path) -> str:
 
 
 def content_ids(files: Iterable[FileEntry]) -> dict[str, str]:
-    """Content id of each part: the digest of its file table, whatever the part is called.
-
-    The files of part ``p`` are ``p.h5``, or those in the folder ``p.zarr``.
-    """
+    """Content id of each part: the digest of its file table, whatever the part is called."""
     tables: dict[str, list[list[Any]]] = {}
     for file in files:
-        part = file.path.partition("/")[0].rpartition(".")[0]
-        tables.setdefault(part, []).append([file.path[len(part) :], file.size, file.sha256])
+        suffix = file.path.removeprefix(file.part)
+        tables.setdefault(file.part, []).append([suffix, file.size, file.sha256])
     return {part: digest(sorted(table)) for part, table in sorted(tables.items())}
 
 

@@ -63,17 +63,11 @@ class Outcome:
         Raises
         ------
         StoreError
-            If it cannot be read.
+            If it cannot be read or is damaged.
         """
-        from pipeline.codecs import load, load_part
-        from pipeline.durable import storing
-        from pipeline.records import parts_of
+        from pipeline.loading import load_result
 
-        folder = self.store.data(self.manifest.ref)
-        with storing(folder):
-            if part is None:
-                return load(folder, self.record)
-            return load_part(folder, part, parts_of(self.record)[part])
+        return load_result(self.store, self.manifest.ref, self.record, part)
 
 
 def run(

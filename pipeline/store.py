@@ -16,7 +16,7 @@ import errno
 import json
 import os
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -160,11 +160,7 @@ class LocalStore:
         if not self._folder(ref).is_dir():
             return None
         if problems := self.verify(ref):
-            raise StoreError(
-                f"artefact {ref} is damaged ({'; '.join(problems)})",
-                path=self._folder(ref),
-                remedy="remove this folder; the next run computes the artefact again",
-            )
+            raise damaged(ref, self._folder(ref), problems)
         return self.manifest(ref)
 
     def manifest(self, ref: Ref) -> Manifest:
@@ -244,9 +240,23 @@ class LocalStore:
             )
 
 
+def damaged(ref: Ref, folder: Path, problems: Iterable[str]) -> StoreError:
+    """The error that tells of a damaged artefact."""
+    return StoreError(
+        f"artefact {ref} is damaged ({'; '.join(problems)})",
+        path=folder,
+        remedy="remove this folder; the next run computes the artefact again",
+    )
+
+
 def _entries(folder: Path) -> list[str]:
     with storing(folder):
         return sorted(os.listdir(folder)) if folder.is_dir() else []
+
+
+def wrong_checksum(path: str) -> str:
+    """The problem of a file that does not hold what was published."""
+    return f"the checksum of {path} is wrong"
 
 
 def _size_problem(data: Path, file: FileEntry) -> str | None:
@@ -263,6 +273,6 @@ def _full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
     yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
     for path in sorted(kept):
         if found[path].sha256 != kept[path].sha256:
-            yield f"the checksum of {path} is wrong"
+            yield wrong_checksum(path)
     if manifest.stated_key() != manifest.key:
         yield "its key is not that of its statement"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.errors import InputError, StageError
+from pipeline.errors import InputError, StageError, StoreError
 from pipeline.events import (
     Event,
     StageFailed,
@@ -20,7 +20,7 @@ from pipeline.events import (
     StageWarned,
 )
 from pipeline.manifest import hash_files
-from pipeline.nodes import Node, StageRun, stage
+from pipeline.nodes import Node, StageRun, source_node, stage
 from pipeline.runner import run
 from pipeline.store import LocalStore
 from pipeline.testing import interrupted_and_resumed
@@ -189,7 +189,7 @@ def test_a_failing_stage_tells_cause_place_remedy_and_keeps_its_frames(
         run(plan(wave=toy.WaveConfig(fail_at=70)), store, listen=events.append)
     error = caught.value
     assert (error.stage, error.cause) == ("wave", "no convergence in frame 70")
-    assert error.place == f"step 70 of {toy.FRAMES}"
+    assert str(error).startswith(f"stage wave failed after 70 of {toy.FRAMES} steps: no conv")
     assert error.remedy == "choose another gain"
     assert error.exit_code == 1
     assert isinstance(events[-1], StageFailed)
@@ -199,6 +199,65 @@ def test_a_failing_stage_tells_cause_place_remedy_and_keeps_its_frames(
     potential: Any = zarr.open_group(error.kept / "data" / "record.zarr", mode="r")["potential"]
     finite = np.isfinite(potential[:, 0])
     assert finite.tolist() == [True] * 70 + [False] * (toy.FRAMES - 70)
+
+
+class PlacedError(ArithmeticError):
+    place = "t = 5 ms"
+
+
+@stage
+def failing_at_a_place(config: toy.MeshConfig, *, run: StageRun) -> toy.Label:
+    run.progress(4, 8)
+    raise PlacedError("no convergence")
+
+
+def test_the_place_that_a_stage_tells_is_the_only_one(store: LocalStore) -> None:
+    with pytest.raises(StageError) as caught:
+        run({"x": failing_at_a_place(toy.MeshConfig())}, store)
+    assert str(caught.value) == "stage failing_at_a_place failed at t = 5 ms: no convergence"
+
+
+def flip_bit(path: Path) -> None:
+    contents = bytearray(path.read_bytes())
+    contents[len(contents) // 2] ^= 1
+    path.write_bytes(contents)
+
+
+@pytest.mark.parametrize(
+    ("node", "file"),
+    [
+        ("mesh", "surface.h5"),
+        ("wave", "record.zarr/zarr.json"),
+        ("wave", "record.zarr/potential/zarr.json"),
+        ("wave", "record.zarr/potential/c/1/0"),
+    ],
+)
+def test_a_flipped_bit_is_never_used_silently(node: str, file: str, store: LocalStore) -> None:
+    nodes = plan()
+    nodes["mesh"] = source_node(nodes["wave"].inputs["surface"])
+    outcome = run(nodes, store)[node]
+    flip_bit(store.data(outcome.manifest.ref) / file)
+    consumer = {
+        "mesh": toy.wave(toy.WaveConfig(gain=2.0), nodes["mesh"].part("surface")),
+        "wave": toy.peak(toy.MeshConfig(height=2.0), nodes["wave"]),
+    }[node]
+    told = rf"(?s)artefact {outcome.manifest.ref} is damaged \(the checksum of {file} is wrong\)"
+    with pytest.raises(StoreError, match=rf"{told}.*{store.path}.*Remedy: remove this folder"):
+        run({"consumer": consumer}, store)
+    if "/c/" in file:  # read when it is looked at
+        with pytest.raises(ValueError, match="checksum"):
+            outcome.load().potential[...]
+    else:
+        with pytest.raises(StoreError, match=told):
+            outcome.load()
+
+
+def test_a_damaged_part_does_not_keep_its_neighbours_from_being_loaded(store: LocalStore) -> None:
+    outcome = run({"mesh": toy.mesh(toy.MeshConfig())}, store)["mesh"]
+    flip_bit(store.data(outcome.manifest.ref) / "surface.h5")
+    assert outcome.load("label") == toy.Label("flat")
+    with pytest.raises(StoreError, match="checksum"):
+        outcome.load("surface")
 
 
 def test_finished_results_outlive_a_later_failure(store: LocalStore, events: list[Event]) -> None:
