@@ -48,8 +48,19 @@ def environment(source: Path | None) -> dict[str, Any]:
         "cpus": os.cpu_count(),
         "threads": {k: v for k, v in sorted(os.environ.items()) if k.endswith("_NUM_THREADS")},
         "versions": dict(versions()),
-        "git": None if source is None else git_state(source.parent),
+        "git": None if source is None else _first_git_state(_repository(source)),
     }
+
+
+@cache
+def _first_git_state(folder: Path) -> dict[str, Any] | None:
+    """State when this process asked first: that is nearest to the code it loaded."""
+    return git_state(folder)
+
+
+def _repository(source: Path) -> Path:
+    """Root of the repository that a file lies in, or the file's folder."""
+    return next((one for one in source.parents if (one / ".git").exists()), source.parent)
 
 
 def git_state(folder: Path) -> dict[str, Any] | None:

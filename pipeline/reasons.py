@@ -75,7 +75,11 @@ Reason: TypeAlias = ConfigChanged | InputChanged | CodeChanged | SchemaChanged
 
 
 def nearest(
-    stated: Statement, inputs: Mapping[str, InputEntry], store: Store
+    stated: Statement,
+    inputs: Mapping[str, InputEntry],
+    store: Store,
+    *,
+    among: int | None = None,
 ) -> tuple[Manifest, tuple[Reason, ...]] | None:
     """Past result of a stage with the fewest differences, the latest of these, and the differences.
 
@@ -88,9 +92,12 @@ def nearest(
         anything.
     store
         Where past results are.
+    among
+        Look at so many of the latest results only; ``None`` for all.
     """
     best: tuple[Manifest, tuple[Reason, ...]] | None = None
-    for ref in store.refs(stated.stage):
+    refs = store.refs(stated.stage) if among is None else store.newest(stated.stage, among)
+    for ref in refs:
         try:
             manifest = store.manifest(ref)
         except StoreError:

@@ -19,6 +19,9 @@ from pipeline.store import Store
 CHECKPOINT_INTERVAL = 5.0
 """Seconds of work that a kill may cost at most."""
 
+COMPARED = 32
+"""Latest results that the duration of a stage is guessed from."""
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -147,5 +150,5 @@ def _obtain(
 def _expected_seconds(
     stated: Statement, inputs: Mapping[str, InputEntry], store: Store
 ) -> float | None:
-    past = nearest(stated, inputs, store)
+    past = nearest(stated, inputs, store, among=COMPARED)
     return past[0].seconds if past else None

@@ -13,12 +13,15 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import heapq
 import json
 import os
 import platform
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
@@ -26,8 +29,12 @@ from pipeline.durable import remove_tree, storing, sync, sync_tree, write_atomic
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
+from pipeline.loaded import state
 from pipeline.locks import locked
 from pipeline.manifest import FileEntry, Manifest, hash_files
+
+RECENT_NS = 100_000_000
+"""A file as young as this may change again without a change of its modification time."""
 
 
 class Workspace(Protocol):
@@ -80,6 +87,10 @@ class Store(Protocol):
 
     def refs(self, stage: str | None = None) -> Iterator[Ref]:
         """Artefacts of one stage or of all, sorted."""
+        ...
+
+    def newest(self, stage: str, count: int) -> list[Ref]:
+        """The artefacts of a stage that were published last, at most ``count`` of them."""
         ...
 
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
@@ -174,7 +185,7 @@ class LocalStore:
         path = self._folder(ref) / "manifest.json"
         try:
             with storing(path):
-                return Manifest.from_json(path.read_bytes())
+                return _read_manifest(path)
         except ValueError as error:
             raise StoreError(f"unreadable manifest of {ref} ({error})", path=path) from error
 
@@ -187,6 +198,13 @@ class LocalStore:
         objects = self.path / "objects"
         for name in [stage] if stage is not None else _entries(objects):
             yield from (Ref(name, key) for key in _entries(objects / name))
+
+    def newest(self, stage: str, count: int) -> list[Ref]:
+        """The artefacts of a stage that were published last, at most ``count`` of them."""
+        folder = self.path / "objects" / stage
+        with storing(folder):
+            found = [(state(folder / key), key) for key in _entries(folder)]
+        return [Ref(stage, key) for _, key in heapq.nlargest(count, found)]
 
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` recomputes every checksum and the key."""
@@ -257,6 +275,19 @@ def _entries(folder: Path) -> list[str]:
 def wrong_checksum(path: str) -> str:
     """The problem of a file that does not hold what was published."""
     return f"the checksum of {path} is wrong"
+
+
+def _read_manifest(path: Path) -> Manifest:
+    """Manifest of a file, memoised once the file is old enough to show by its time if it changes."""
+    mtime_ns, size = state(path)
+    if time.time_ns() - mtime_ns < RECENT_NS:
+        return Manifest.from_json(path.read_bytes())
+    return _memoised_manifest(path, mtime_ns, size)
+
+
+@lru_cache(maxsize=256)
+def _memoised_manifest(path: Path, mtime_ns: int, size: int) -> Manifest:
+    return Manifest.from_json(path.read_bytes())
 
 
 def _size_problem(data: Path, file: FileEntry) -> str | None:

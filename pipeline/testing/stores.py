@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -120,6 +121,15 @@ class StoreConformance:
         assert list(store.refs()) == sorted(refs, key=lambda ref: (ref.stage, ref.key))
         assert {ref.stage for ref in store.refs("a")} == {"a"}
         assert list(store.refs("absent")) == []
+
+    def test_the_newest_artefacts_of_a_stage_come_first(self, store: Store) -> None:
+        refs = []
+        for gain in (3.0, 1.0, 2.0):
+            refs.append(publish(store, example(gain=gain)).ref)
+            time.sleep(0.02)  # file systems keep time in ticks of some milliseconds
+        assert store.newest("geometry", 5) == refs[::-1]
+        assert store.newest("geometry", 2) == [refs[2], refs[1]]
+        assert store.newest("absent", 2) == []
 
     def test_a_sound_artefact_has_no_problems(self, store: Store) -> None:
         ref = publish(store, example()).ref

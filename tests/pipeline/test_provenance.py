@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from pipeline.provenance import environment, git_state, versions
 
 
@@ -32,6 +34,20 @@ def test_the_git_state_tells_revision_and_changes(tmp_path: Path) -> None:
     assert dirty["revision"] == clean["revision"]
     assert dirty["dirty"]
     assert len(dirty["diff"]) == 64
+
+
+def test_git_is_asked_once_for_all_results_of_a_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    git(tmp_path, "init")
+    (tmp_path / "package").mkdir()
+    (tmp_path / "package" / "file.py").write_text("one\n")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "-m", "one")
+    first = environment(tmp_path / "package" / "file.py")["git"]
+    assert first == git_state(tmp_path)
+    monkeypatch.setattr(subprocess, "run", None)
+    assert environment(tmp_path / "other.py")["git"] == first
 
 
 def test_versions_are_known_without_importing_the_libraries() -> None:

@@ -90,6 +90,20 @@ def test_an_unreadable_manifest_is_never_used(store: LocalStore) -> None:
             store.find(ref)
 
 
+def test_a_manifest_is_read_again_only_after_it_changed(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ref = publish(store, example()).ref
+    path = store.data(ref).parent / "manifest.json"
+    os.utime(path, ns=(0, 10**18))  # published long ago
+    first = store.manifest(ref)
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "read_bytes", None)
+        assert store.manifest(ref) is first
+    path.write_text(path.read_text().replace('"seconds": 1.5', '"seconds": 2.5'))
+    assert store.manifest(ref).seconds == 2.5
+
+
 def test_full_verification_finds_a_forged_statement(store: LocalStore) -> None:
     ref = publish(store, example()).ref
     path = store.data(ref).parent / "manifest.json"
