@@ -16,7 +16,17 @@ from pipeline.canonical import Canonical, canonical, digest, is_structure, keyed
 from pipeline.fingerprint import Fingerprint, fingerprint
 
 SCHEMA = 1
-"""Version of the store's layout and of the meaning of a key; part of every key."""
+"""Version of the store's layout and of the meaning of a key; part of every key.
+
+To be raised when a result in a store would no longer be what its key says, or could not be read:
+
+- the engine hands a stage something else for the same statement: codecs, histories, resuming;
+- the canonical form, the fingerprint or the statement leave out or merge what they told apart;
+- the layout of the store, the manifest or the stored form of records changes.
+
+Not for faster or clearer code of the engine, nor for edits to stages, which their fingerprint sees.
+``tests/pipeline/test_pinned.py`` fails when keys or stored bytes change.
+"""
 
 PACKAGES = ("stages", "workflows")
 """Packages whose code counts; those of the stage and of its configuration always do."""
