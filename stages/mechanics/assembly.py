@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.discretisation import Basis, shape_derivatives
+from stages.mechanics.discretisation import Basis, shape_derivatives, shape_values
 from stages.mechanics.kinematics import Frames
 from stages.mechanics.resultants import Resultants
 from stages.numerics.compiled import inlined, kernel
@@ -218,8 +218,7 @@ def assemble_mass(basis: Basis, weights: Any, density: float, bands: Any) -> Non
     for g1 in range(basis.values1.shape[0]):
         for g2 in range(grid2):
             w = density * weights[g1 * grid2 + g2]
-            for k in range(local):
-                shape[k] = basis.values1[g1, 0, k // columns] * basis.values2[g2, 0, k % columns]
+            shape_values(basis.values1[g1], basis.values2[g2], shape)
             corner = basis.first1[g1 // q] * basis.columns + basis.first2[g2 // q]
             for i in range(local):
                 row = 3 * (corner + (i // columns) * basis.columns + i % columns)

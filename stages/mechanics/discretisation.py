@@ -60,6 +60,19 @@ def _table(space: SplineSpace, x: Array) -> tuple[Any, Array]:
 
 
 @inlined
+def shape_values(values1: Any, values2: Any, shape: Any) -> None:
+    """N of the local functions into ``shape`` (local function,).
+
+    Apart from the derivatives: the force and the tangent, assembled in every iteration, need these
+    only, and writing N too costs them 3 %.
+    """
+    columns = values2.shape[1]
+    for a in range(values1.shape[1]):
+        for b in range(columns):
+            shape[a * columns + b] = values1[0, a] * values2[0, b]
+
+
+@inlined
 def shape_derivatives(values1: Any, values2: Any, shapes: Any) -> None:
     """N_,1 N_,2 N_,11 N_,22 N_,12 of the local functions into ``shapes`` (5, local function)."""
     columns = values2.shape[1]
