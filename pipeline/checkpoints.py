@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.durable import storing, write_atomically
-from pipeline.provenance import versions
+from pipeline.provenance import processor, versions
 from pipeline.streams import SavedStream
 
 
@@ -42,6 +42,8 @@ class Checkpoint:
         What goes into the manifest of the whole.
     versions
         Library versions: others could continue with other last bits.
+    processor
+        Kind of processor, likewise.
     """
 
     key: str
@@ -53,6 +55,7 @@ class Checkpoint:
     warnings: tuple[str, ...] = ()
     notes: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=versions)
+    processor: str = field(default_factory=processor)
 
     def save(self, path: Path) -> None:
         """Write the checkpoint, replacing an earlier one."""
@@ -74,7 +77,8 @@ class Checkpoint:
         Raises
         ------
         UnusableCheckpoint
-            If it is damaged, of other library versions, or its data files are not there.
+            If it is damaged, of other library versions or another processor, or its data files are
+            not there.
         """
         if not path.exists():
             return None
@@ -82,13 +86,14 @@ class Checkpoint:
             with np.load(path, allow_pickle=False) as kept:
                 arrays = {name: kept[name] for name in kept.files}
             about = json.loads(arrays.pop("about").tobytes())
+            about["warnings"] = tuple(about["warnings"])
             found = cls(
                 state=_below("state/", arrays),
                 streams={
                     part: SavedStream(frames, _below(f"stream/{part}/", arrays))
                     for part, frames in about.pop("streams").items()
                 },
-                **{**about, "warnings": tuple(about["warnings"])},
+                **{name: about[name] for name in _PLAIN},
             )
         except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, zlib.error) as error:
             raise UnusableCheckpoint(f"it cannot be read ({error})") from error
@@ -101,12 +106,14 @@ class Checkpoint:
         if self.versions != versions():
             changed = [n for n in versions() if self.versions.get(n) != versions()[n]]
             raise UnusableCheckpoint(f"it was saved with other versions of {', '.join(changed)}")
+        if self.processor != processor():
+            raise UnusableCheckpoint("it was saved on another kind of processor")
         present = chunk_files(data)
         if any(present.get(path) != size for path, size in self.files.items()):
             raise UnusableCheckpoint("data files that belong to it are missing or damaged")
 
 
-_PLAIN = ("key", "files", "seconds", "cpu_seconds", "warnings", "notes", "versions")
+_PLAIN = ("key", "files", "seconds", "cpu_seconds", "warnings", "notes", "versions", "processor")
 
 
 def chunk_files(data: Path) -> dict[str, int]:

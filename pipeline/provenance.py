@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import itertools
 import os
 import platform
 import subprocess
@@ -16,6 +17,9 @@ from typing import Any
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "zarr")
 """Libraries whose version can change the last bits of a result."""
 
+CPU_LINES = ("vendor_id", "cpu family", "model", "flags", "CPU implementer", "CPU part", "Features")
+"""What tells kinds of processor apart: compiled kernels and BLAS use all that a processor can do."""
+
 
 @cache
 def versions() -> dict[str, str]:
@@ -27,6 +31,19 @@ def versions() -> dict[str, str]:
         except importlib.metadata.PackageNotFoundError:
             found[name] = "absent"
     return found
+
+
+@cache
+def processor() -> str:
+    """Kind of processor: its architecture, and a digest of its model and features where known."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+            first = itertools.takewhile(str.strip, file)  # a blank line ends each processor
+            about = sorted(line.strip() for line in first if line.startswith(CPU_LINES))
+    except OSError:
+        about = [platform.processor()]
+    digest = hashlib.sha256("\n".join(about).encode()).hexdigest()
+    return f"{platform.machine()} {digest[:16]}"
 
 
 def version_changes(past: Mapping[str, str]) -> list[str]:

@@ -328,6 +328,12 @@ def spoil_versions(checkpoint: Path, data: Path) -> None:
     checkpoints.Checkpoint(**{**vars(found), "versions": past}).save(checkpoint)
 
 
+def spoil_processor(checkpoint: Path, data: Path) -> None:
+    found = load_checkpoint(checkpoint, data)
+    other = f"{found.processor} of tomorrow"
+    checkpoints.Checkpoint(**{**vars(found), "processor": other}).save(checkpoint)
+
+
 def spoil_contents(checkpoint: Path, data: Path) -> None:
     contents = bytearray(checkpoint.read_bytes())
     contents[len(contents) // 2] ^= 0xFF
@@ -356,6 +362,7 @@ def spoil_data(checkpoint: Path, data: Path) -> None:
     ("spoil", "reason"),
     [
         (spoil_versions, "saved with other versions of numpy"),
+        (spoil_processor, "saved on another kind of processor"),
         (spoil_contents, "cannot be read"),
         (spoil_length, "cannot be read"),
         (spoil_key, "belongs to another result"),
