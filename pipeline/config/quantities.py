@@ -49,6 +49,8 @@ def to_unit(text: str, unit: str) -> float:
     --------
     >>> to_unit("18 um", "mm")
     0.018
+    >>> to_unit("800 / s", "1/ms")
+    0.8
     """
     match = QUANTITY.fullmatch(text)
     if match is None:
@@ -57,7 +59,9 @@ def to_unit(text: str, unit: str) -> float:
 
     try:
         units = _registry()
-        quantity = units.Quantity(Decimal(match["number"]), units.parse_units(match["unit"]))
+        divisor = match["unit"].startswith("/")  # "0.8/ms"
+        unit_given = units.parse_units(f"1{match['unit']}" if divisor else match["unit"])
+        quantity = units.Quantity(Decimal(match["number"]), unit_given)
         return float(quantity.to(unit).magnitude)
     except pint.DimensionalityError as error:
         raise NoQuantity(f"{match['unit']!r} has another dimension") from error
