@@ -47,6 +47,9 @@ def digest(value: Any) -> str:
 def canonical(value: Any, hint: Any = Any, path: str = "") -> Canonical:
     """Canonical form of a value: ``None``, bool, int, float, str, and lists and dicts of these.
 
+    The order of a dict is not part of a value: two orders have one key, so the result of a stage must
+    not depend on it. Sort where it matters, or declare a list.
+
     Parameters
     ----------
     value
@@ -98,6 +101,24 @@ def keyed_fields(structure: Any) -> Iterator[tuple[str, Any, Any]]:
     for name, hint, extra in field_hints(type(structure)):
         if extra.get("keyed", True):
             yield name, getattr(structure, name), hint
+
+
+def leaves(value: Canonical, path: str = "") -> Iterator[tuple[str, Canonical]]:
+    """Dotted name and value of everything in a canonical form that holds no names itself.
+
+    Examples
+    --------
+    >>> dict(leaves({"law": {"modulus": 1.5}, "size": [2, 3], "parts": [{"a": 1}], "none": {}}))
+    {'law.modulus': 1.5, 'size': [2, 3], 'parts.0.a': 1, 'none': {}}
+    """
+    if isinstance(value, dict) and value:
+        for name, item in value.items():
+            yield from leaves(item, f"{path}.{name}".lstrip("."))
+    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
+        for i, item in enumerate(value):
+            yield from leaves(item, f"{path}.{i}")
+    else:
+        yield path, value
 
 
 def _scalar(value: Any, hint: Any, path: str) -> Canonical:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from pipeline.canonical import Canonical
+from pipeline.canonical import leaves
 from pipeline.errors import StoreError
 from pipeline.keys import SCHEMA, Statement
 from pipeline.manifest import InputEntry, Manifest
@@ -114,7 +114,7 @@ def differences(
     """Why a past result is not the one asked for."""
     if past.schema != SCHEMA:
         yield SchemaChanged(past.schema, SCHEMA)
-    was, now = dict(_leaves(past.config)), dict(_leaves(stated.config))
+    was, now = dict(leaves(past.config)), dict(leaves(stated.config))
     for field in {**now, **was}:
         before, after = was.get(field, ABSENT), now.get(field, ABSENT)
         if repr(before) != repr(after):  # 1 and 1.0 differ
@@ -132,14 +132,3 @@ def differences(
             yield CodeChanged(module, "removed")
         elif past.modules[module] != stated.code.modules[module]:
             yield CodeChanged(module, "edited")
-
-
-def _leaves(value: Canonical, path: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(value, dict) and value:
-        for name, item in value.items():
-            yield from _leaves(item, f"{path}.{name}".lstrip("."))
-    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
-        for i, item in enumerate(value):
-            yield from _leaves(item, f"{path}.{i}")
-    else:
-        yield path, value

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
+from pipeline.canonical import leaves
 from pipeline.errors import InputError
 from pipeline.keys import Ref
 from pipeline.store import LocalStore
@@ -62,8 +61,8 @@ def show_artefact(key: str, path: Path | None) -> None:
     ]
     rows += [("warning", warning) for warning in manifest.warnings]
     rows += [(f"note {name}", parameter(value)) for name, value in manifest.notes.items()]
-    for title, values in (("config", manifest.config), ("run", manifest.environment)):
-        rows += [(f"{title} {name}", text) for name, text in _leaves(values)]
+    for title, values in (("config", manifest.config), ("run", dict(manifest.environment))):
+        rows += [(f"{title} {name}", parameter(value)) for name, value in leaves(values)]
     for line in aligned(rows):
         print(line)
 
@@ -77,14 +76,3 @@ def _ref(store: LocalStore, key: str) -> Ref:
         several = ", ".join(f"{ref.stage}/{ref.key[:SHORT]}" for ref in refs[:5])
         raise InputError(f"{len(refs)} results have a key that starts with {start!r}: {several}")
     return refs[0]
-
-
-def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    if isinstance(value, dict):
-        for name, item in value.items():
-            yield from _leaves(item, f"{path}.{name}".lstrip("."))
-    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
-        for i, item in enumerate(value):
-            yield from _leaves(item, f"{path}.{i}")
-    else:
-        yield path, parameter(value)
