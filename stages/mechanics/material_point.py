@@ -7,11 +7,10 @@ are then exactly zero at rest and lose no digits at small strains.
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
-from stages.mechanics.materials.base import Material
+from stages.mechanics.materials.base import Material, law_of
 from stages.mechanics.plane_stress import plane_gradient, plane_hessian
 from stages.numerics.compiled import inlined
 
@@ -74,8 +73,8 @@ def compile_point(material: Material, tension: Tension) -> Callable[..., PlaneRe
 @functools.cache
 def _compile(material: type[Material], tension: Tension) -> Callable[..., PlaneResponse]:
     """One kernel per law and process; layers of one law share it, whatever their parameters."""
-    module = sys.modules[material.__module__]
-    energy, gradient, hessian = (inlined(getattr(module, n)) for n in _LAW)
+    law = law_of(material)
+    energy, gradient, hessian = inlined(law.energy), inlined(law.gradient), inlined(law.hessian)
     first, second, pull = inlined(plane_gradient), inlined(plane_hessian), inlined(tension)
 
     @inlined
@@ -136,6 +135,3 @@ def _compile(material: type[Material], tension: Tension) -> Callable[..., PlaneR
         )
 
     return respond
-
-
-_LAW = ("energy", "gradient", "hessian")

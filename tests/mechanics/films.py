@@ -9,17 +9,14 @@ import numpy as np
 from stages.artefacts import Laminate, Layer
 from stages.mechanics.config import MechanicsConfig
 from stages.mechanics.materials.base import Material
-from stages.mechanics.materials.neo_hookean import NeoHookean
-from stages.mechanics.materials.neo_hookean_fibre import NeoHookeanFibre
 from stages.mechanics.shell import Shell, build_shell
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
+from tests.mechanics.materials import EXAMPLES
 
-PDMS = NeoHookean(density=0.965, shear_modulus=500.0)
-MUSCLE = NeoHookeanFibre(
-    density=0.965, shear_modulus=0.767, fibre_stiffness=21.0, fibre_exponent=5.5
-)
+PDMS = EXAMPLES["neo-hookean"]
+MUSCLE = EXAMPLES["neo-hookean-fibre"]
 MATERIALS: dict[str, Material] = {"substrate": PDMS, "active": MUSCLE}
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,11 @@ from pydantic import TypeAdapter, ValidationError
 from stages.mechanics.active_stress import prescribed
 from stages.mechanics.config import AnyMaterial
 from stages.mechanics.material_point import PlaneReference, compile_point
-from stages.mechanics.materials.base import Material
+from stages.mechanics.materials.base import Material, law_of
 from stages.mechanics.plane_stress import plane_gradient, plane_hessian
+from tests.mechanics import materials
 from tests.mechanics.films import MUSCLE, PDMS
-
-MATERIALS = {"neo-hookean": PDMS, "neo-hookean-fibre": MUSCLE}
+from tests.mechanics.materials import example
 
 
 def quadratic(activation: float, stretch: float) -> tuple[float, float]:
@@ -25,9 +24,10 @@ def quadratic(activation: float, stretch: float) -> tuple[float, float]:
     return activation * (1.0 - (stretch - 1.1) ** 2), -2.0 * activation * (stretch - 1.1)
 
 
-@pytest.fixture(params=MATERIALS, scope="module")
+@pytest.fixture(params=[*materials.NAMES, "mixed"], scope="module")
 def material(request: pytest.FixtureRequest) -> Material:
-    return MATERIALS[request.param]
+    """Every material file of the project, and a law that mixes all invariants."""
+    return materials.Mixed(density=1.0) if request.param == "mixed" else example(request.param)
 
 
 def skew_reference() -> PlaneReference:
@@ -97,7 +97,7 @@ def test_the_tangent_is_the_derivative_of_the_stress(
 
 
 def test_laws_are_consistent_with_their_own_energy(material: Material) -> None:
-    law = sys.modules[type(material).__module__]
+    law = law_of(type(material))
     p, at, step = material.constants(), np.array([3.4, 3.3, 1.21]), 1e-5
     index = {(0, 0): 0, (0, 1): 1, (0, 2): 2, (1, 1): 3, (1, 2): 4, (2, 2): 5}
     for i in range(3):
@@ -111,6 +111,19 @@ def test_laws_are_consistent_with_their_own_energy(material: Material) -> None:
         for j in range(3):
             expected = law.hessian(*at, p)[index[min(i, j), max(i, j)]]
             assert expected == pytest.approx(bend[j], rel=1e-7, abs=1e-8)
+
+
+def test_rest_is_free_of_stress_and_of_energy(material: Material) -> None:
+    law, p = law_of(type(material)), material.constants()
+    assert law.energy(3.0, 3.0, 1.0, p) == 0.0
+    assert law.gradient(3.0, 3.0, 1.0, p)[2] == 0.0  # incompressibility takes care of the others
+    point = compile_point(material, prescribed)(0.0, 0.0, 0.0, skew_reference(), 0.0, p)
+    assert (point.s11, point.s22, point.s12) == (0.0, 0.0, 0.0)
+
+
+def test_a_new_material_without_parameters_to_test_it_is_told_where_to_put_them() -> None:
+    with pytest.raises(LookupError, match=r"material 'rubber' .* EXAMPLES in tests/mechanics"):
+        example("rubber")
 
 
 def test_the_elimination_of_the_thickness_is_a_chain_rule() -> None:
@@ -209,7 +222,7 @@ def test_a_turned_over_element_gives_nan_and_not_a_number_to_trust() -> None:
 
 
 def test_an_unknown_material_is_refused_with_the_names_on_offer() -> None:
-    with pytest.raises(ValidationError, match="neo-hookean, neo-hookean-fibre"):
+    with pytest.raises(ValidationError, match=", ".join(materials.NAMES)):
         TypeAdapter(AnyMaterial).validate_python({"name": "rubber"})
 
 

@@ -7,7 +7,10 @@ import pytest
 
 from stages.artefacts import Laminate, Layer
 from stages.mechanics.shell import Shell, build_shell
-from tests.mechanics import films, twin
+from stages.numerics.patches import Patch
+from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.surface_geometry import frame_on_grid
+from tests.mechanics import films, materials, twin
 
 FILMS = {
     "flat": films.flat((3, 2)),
@@ -95,6 +98,17 @@ def test_rest_without_activation_is_free_of_force_exactly(body: Shell) -> None:
 
 
 def test_the_compiled_kernels_equal_their_plain_numpy_twin(body: Shell) -> None:
+    compare_with_twin(body)
+
+
+@pytest.mark.parametrize("name", [*materials.NAMES, "mixed"])
+def test_the_kernels_of_every_material_equal_the_twin(name: str) -> None:
+    material = materials.Mixed(density=1.0) if name == "mixed" else materials.example(name)
+    laws = {"substrate": films.PDMS, "active": material}
+    compare_with_twin(build_shell(films.arched((2, 2)), films.two_layers(), laws))
+
+
+def compare_with_twin(body: Shell) -> None:
     state, activation = films.random_state(body, seed=8)
     response = body.respond(state, activation)
     force, matrix, energy = twin.respond(body, state, activation)
@@ -140,10 +154,18 @@ def test_a_layer_may_be_split_in_two_equal_ones() -> None:
 
 def test_the_mass_matrix_holds_the_mass_of_the_film_in_each_direction(body: Shell) -> None:
     ones = np.tile([1.0, 0.0, 0.0], body.patch.size)
-    area = body.weights.sum()
-    # the functions sum to one, so this is rho d times the area, eq. 104
+    grid = quadrature_grid(body.patch, body.basis.points)
+    area = (grid.weights1[:, None] * grid.weights2).ravel() @ frame_on_grid(
+        body.patch, grid.theta1, grid.theta2
+    ).area
+    # the functions sum to one, so this is rho d times the area (eq. 104); sums of 1e3 terms
     assert ones @ (body.mass() @ ones) == pytest.approx(0.965 * 0.022 * area, rel=1e-12)
-    assert area == pytest.approx(7.0, rel=1e-12) or body.patch.control_points[..., 2].any()
+
+
+@pytest.mark.parametrize("patch", [films.flat((3, 2)), films.uneven()])
+def test_the_area_of_a_flat_film_is_its_length_times_its_width(patch: Patch) -> None:
+    # a constant area element, integrated to round-off
+    assert films.shell(patch).weights.sum() == pytest.approx(3.5 * 2.0, rel=1e-13)
 
 
 def test_a_film_that_is_not_smooth_is_refused() -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 
+from stages.mechanics.materials.base import law_of
 from stages.mechanics.shell import Shell
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
@@ -90,9 +89,13 @@ def _values(patch: Patch, grid: object, order: tuple[int, int]) -> Array:
 def _point(
     points: object, reference: SurfaceFrame, strain: Array, sigma: Array, z: float
 ) -> tuple[Array, Array, Array]:
-    """psi, S^ab and C^abcd from C = G + 2 E directly, for laws psi(I1, I4) with psi_11 = 0."""
+    """psi, S^ab and C^abcd from C = G + 2 E directly: each invariant with its two derivatives.
+
+    With X = C^-1 and j = det C/det G: dI1/dC = G^-1 - X/j, dI2/dC = G^-1/j + (j - t/j) X and
+    dI4/dC = f0 (x) f0, from dj/dC = j X and dX_abcd = -(X_ac X_bd + X_ad X_bc)/2.
+    """
     layer, material = points.layer, points.material  # type: ignore[attr-defined]
-    law, p = sys.modules[type(material).__module__], material.constants()
+    law, p = law_of(type(material)), material.constants()
     g = reference.tangents + z * reference.normal_derivatives
     metric = np.einsum("pax,pbx->pab", g, g)
     con = np.linalg.inv(metric)
@@ -105,17 +108,25 @@ def _point(
     f /= np.linalg.norm(f, axis=1)[:, None]
     up = np.einsum("pab,pbx,px->pa", con, g, f)
     ff = np.einsum("pa,pb->pab", up, up)
-    i1 = np.einsum("pab,pab->p", con, c) + 1.0 / j
-    i4 = np.einsum("pab,pab->p", ff, c)
-    psi = np.array([law.energy(a, 0.0, b, p) for a, b in zip(i1, i4, strict=True)])
-    psi_1 = law.gradient(3.0, 3.0, 1.0, p)[0]
-    psi_4 = np.array([law.gradient(3.0, 3.0, b, p)[2] for b in i4])
-    psi_44 = np.array([law.hessian(3.0, 3.0, b, p)[5] for b in i4])
-    s = 2 * psi_1 * (con - inverse / j[:, None, None])
-    s += (2 * psi_4 + sigma / i4)[:, None, None] * ff
+    t, i4 = np.einsum("pab,pab->p", con, c), np.einsum("pab,pab->p", ff, c)
+    invariants = list(zip(t + 1.0 / j, t / j + j, i4, strict=True))
+    psi = np.array([law.energy(*x, p) for x in invariants])
+    gradient = np.array([law.gradient(*x, p) for x in invariants]).T
+    h11, h12, h14, h22, h24, h44 = np.array([law.hessian(*x, p) for x in invariants]).T
+    hessian = np.array([[h11, h12, h14], [h12, h22, h24], [h14, h24, h44]])
+
+    j, t = j[:, None, None], t[:, None, None]
+    first = np.stack((con - inverse / j, con / j + (j - t / j) * inverse, ff))
+    j, t = j[..., None, None], t[..., None, None]
     swap = np.einsum("pac,pbd->pabcd", inverse, inverse)
-    swap = swap + np.einsum("pad,pbc->pabcd", inverse, inverse)
-    bulk = 2 * np.einsum("pab,pcd->pabcd", inverse, inverse) + swap
-    tangent = 2 * psi_1 * bulk / j[:, None, None, None, None]
-    fibre = 4 * psi_44 - 2 * sigma / i4**2
-    return psi, s, tangent + np.einsum("p,pab,pcd->pabcd", fibre, ff, ff)
+    swap = 0.5 * (swap + np.einsum("pad,pbc->pabcd", inverse, inverse))
+    square = np.einsum("pab,pcd->pabcd", inverse, inverse)
+    mixed = np.einsum("pab,pcd->pabcd", con, inverse)
+    mixed = mixed + mixed.transpose(0, 3, 4, 1, 2)
+    second = np.stack(((square + swap) / j, (j + t / j) * square - mixed / j + (t / j - j) * swap))
+
+    s = 2 * np.einsum("mp,mpab->pab", gradient, first) + (sigma / i4)[:, None, None] * ff
+    tangent = 4 * np.einsum("mp,mpabcd->pabcd", gradient[:2], second)
+    tangent += 4 * np.einsum("mnp,mpab,npcd->pabcd", hessian, first, first)
+    tangent -= np.einsum("p,pab,pcd->pabcd", 2 * sigma / i4**2, ff, ff)
+    return psi, s, tangent

@@ -1,8 +1,13 @@
-"""What a material is (eqs. 36, 88, 91): an incompressible free energy of three invariants."""
+"""What a material is (eqs. 36, 88, 91): an incompressible free energy of three invariants.
+
+The interface covers incompressible solids with one fibre family: psi(I1, I2, I4). A second family, or a
+volume that changes, needs more invariants and another elimination of the thickness strain.
+"""
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple, Protocol, TypeAlias
+import sys
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 
 from stages.configuration import Section, quantity
 
@@ -38,10 +43,23 @@ class Material(Section):
 
 
 class MaterialLaw(Protocol):
-    """The functions of a material's module."""
+    """The module of a material: scalar functions of the invariants; ``p`` are its constants."""
 
     MODEL: ClassVar[type[Material]]
 
-    def energy(self, i1: float, i2: float, i4: float, p: NamedTuple) -> float: ...
-    def gradient(self, i1: float, i2: float, i4: float, p: NamedTuple) -> Gradient: ...
-    def hessian(self, i1: float, i2: float, i4: float, p: NamedTuple) -> Hessian: ...
+    def energy(self, i1: float, i2: float, i4: float, p: Any) -> float:
+        """psi, kPa."""
+        ...
+
+    def gradient(self, i1: float, i2: float, i4: float, p: Any) -> Gradient:
+        """Its first derivatives."""
+        ...
+
+    def hessian(self, i1: float, i2: float, i4: float, p: Any) -> Hessian:
+        """Its second derivatives."""
+        ...
+
+
+def law_of(material: type[Material]) -> MaterialLaw:
+    """The module that defines a material, and beside it its law."""
+    return cast(MaterialLaw, sys.modules[material.__module__])
