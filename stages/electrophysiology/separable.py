@@ -88,12 +88,17 @@ class SeparableDiffusion:
 
 
 def is_separable(operators: CollocationOperators, tolerance: float = 1e-10) -> bool:
-    """Whether the metric is constant and orthogonal and the coordinates are straight."""
+    """Whether the metric is constant and orthogonal and the coordinates are straight.
+
+    Relative to what counts in the Laplacian: a Christoffel symbol multiplies v_,a, which is smaller
+    than v_,ab by about the number of points, as is its rounding error.
+    """
     metric = operators.frame.metric_con
     scale = np.array([metric[:, 0, 0].mean(), metric[:, 1, 1].mean()])
     mixed = np.abs(metric[:, 0, 1]).max() / np.sqrt(scale.prod())
     spread = max(np.ptp(metric[:, k, k]) / scale[k] for k in (0, 1))
-    bend = np.abs(operators.frame.christoffel).max()
+    points = max(operators.edges["X=0"].size, operators.edges["Y=0"].size)
+    bend = np.abs(operators.frame.christoffel).max() / points
     return bool(max(mixed, spread, bend) < tolerance)
 
 

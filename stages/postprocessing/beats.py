@@ -6,14 +6,17 @@ import numpy as np
 
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
-from stages.postprocessing.probes import collocation_weights
+
+ROUGHNESS = 5.0
+"""A front takes at most this many times its median step time between neighbouring points."""
 
 
 def arrival_times(surface: Patch, activation_times: Array, theta: Array) -> Array:
     """Activation times at parameters ``theta``, beat by beat.
 
-    Through the spline over all collocation points if all of them fired in that beat; else linear
-    between the up to four points around ``theta``, NaN if one of these did not fire.
+    Linear between the up to four collocation points around ``theta``, whose events are matched in
+    time: where one point has missed a wave, column k of two neighbours may belong to different waves.
+    NaN where a neighbour did not fire in that beat.
 
     Parameters
     ----------
@@ -29,30 +32,53 @@ def arrival_times(surface: Patch, activation_times: Array, theta: Array) -> Arra
     Array
         Shape ``(probes, beats)``, ms.
     """
-    times = np.asarray(activation_times, dtype=float)
-    smooth = collocation_weights(surface, theta) @ np.nan_to_num(times)
-    everywhere = np.isfinite(times).all(axis=0)
-    return np.where(everywhere, smooth, _bilinear(surface, times, theta))
+    grid = activation_times.reshape(surface.first.size, surface.second.size, -1)
+    rows, row_weights = _neighbours(surface.first, theta[:, 0])
+    columns, column_weights = _neighbours(surface.second, theta[:, 1])
+    arrivals = np.full((len(theta), grid.shape[2]), np.nan)
+    for probe in range(len(theta)):
+        weights = np.outer(row_weights[:, probe], column_weights[:, probe]).ravel()
+        corners = grid[np.ix_(rows[:, probe], columns[:, probe])].reshape(4, -1)
+        heaviest = corners[np.argmax(weights)]
+        matched = [
+            weight * _same_waves(heaviest, corner)
+            for weight, corner in zip(weights, corners, strict=True)
+            if weight > 0.0
+        ]
+        arrivals[probe] = np.sum(matched, axis=0)
+    return arrivals
 
 
 def conduction_velocity(arrivals: Array, distance: float) -> Array:
-    """Mean speed of the front between two points, per beat.
+    """Mean speed of each front that runs along a line, from its first to its last point.
+
+    A wave is followed from point to point by its nearest event in time. It counts as one front if it
+    passes all points in one direction and takes nowhere far longer than elsewhere; two waves that
+    happen to pass the two ends do not make a speed.
 
     Parameters
     ----------
     arrivals
-        Activation times at the start and at the end, shape ``(2, beats)``, ms.
+        Activation times at points along the line, shape ``(points, beats)``, ms, NaN where a point
+        did not fire; about one collocation point apart.
     distance
-        Length of the way between them on the undeformed film, mm.
+        Length of the line on the undeformed film, mm.
 
     Returns
     -------
     Array
-        Shape ``(beats,)``, mm/ms; negative for a wave that comes the other way, NaN where it did not
-        pass both points or reached both at once.
+        One entry per beat of the first point, shape ``(beats,)``, mm/ms; negative for a wave that
+        comes the other way, NaN where no front ran along the whole line.
     """
-    delay = arrivals[1] - arrivals[0]
-    return distance / np.where(delay == 0, np.nan, delay)
+    front = [arrivals[0]]
+    for events in arrivals[1:]:
+        front.append(_same_waves(front[-1], events))
+    steps = np.diff(np.array(front), axis=0)
+    smooth = np.abs(steps).max(axis=0) <= ROUGHNESS * np.median(np.abs(steps), axis=0)
+    one_way = (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
+    return np.where(
+        smooth & one_way, distance / np.where(one_way, steps.sum(axis=0), np.nan), np.nan
+    )
 
 
 def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
@@ -85,17 +111,15 @@ def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
     return peaks
 
 
-def _bilinear(surface: Patch, times: Array, theta: Array) -> Array:
-    grid = times.reshape(surface.first.size, surface.second.size, -1)
-    total = np.zeros((len(theta), grid.shape[2]))
-    rows, row_weights = _neighbours(surface.first, theta[:, 0])
-    columns, column_weights = _neighbours(surface.second, theta[:, 1])
-    for a in range(2):
-        for b in range(2):
-            weight = (row_weights[a] * column_weights[b])[:, None]
-            corner = grid[rows[a], columns[b]]
-            total += np.where(weight > 0, weight * corner, 0.0)
-    return total
+def _same_waves(events: Array, others: Array) -> Array:
+    """For each event the one of ``others`` that is nearest in time, if it is so the other way too."""
+    apart = np.abs(events[:, None] - others[None, :])
+    apart = np.where(np.isnan(apart), np.inf, apart)
+    if not apart.size:
+        return np.full(events.shape, np.nan)
+    nearest, back = np.argmin(apart, axis=1), np.argmin(apart, axis=0)
+    mutual = back[nearest] == np.arange(events.size)
+    return np.where(mutual & np.isfinite(events), others[nearest], np.nan)
 
 
 def _neighbours(space: SplineSpace, at: Array) -> tuple[Array, Array]:

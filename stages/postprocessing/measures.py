@@ -45,14 +45,16 @@ def take_measures(
     at_cells = collocation_weights(cells, theta)
     stress = series(history.active_stress, at_cells)
     potential = series(history.potential, at_cells)
-    arrivals = arrival_times(cells, history.activation_times, theta)
+    events = np.asarray(history.activation_times, dtype=float)
+    arrivals = arrival_times(cells, events, theta)
 
     window = np.array([(x, config.mid_axis) for x in config.velocity_window])
-    gate = probe_parameters(film, window)
-    passing = arrival_times(cells, history.activation_times, gate)
-    distance = float(np.linalg.norm(np.diff(film.evaluate_points(gate), axis=0)))
+    gates = probe_parameters(film, window)
+    way = np.linspace(gates[0], gates[1], _points_between(cells, gates))
+    passing = arrival_times(cells, events, way)
+    distance = float(np.linalg.norm(np.diff(film.evaluate_points(way), axis=0), axis=1).sum())
 
-    projected, length = projected_lengths(film, deformation.displacement, float(gate[0, 1]))
+    projected, length = projected_lengths(film, deformation.displacement, float(gates[0, 1]))
     return Measures(
         probe_names=tuple(config.probes),
         time=time,
@@ -66,6 +68,13 @@ def take_measures(
         peak_active_stress=beat_peaks(stress, cell_time, arrivals),
         conduction_velocity=conduction_velocity(passing, distance),
     )
+
+
+def _points_between(cells: Patch, gates: Array) -> int:
+    """Number of points that divides a line along X as finely as the collocation points."""
+    greville = cells.first.greville()
+    low, high = gates[:, 0]
+    return int(((greville > low) & (greville < high)).sum()) + 2
 
 
 def projected_lengths(film: Patch, displacement: Array, theta2: float) -> tuple[Array, float]:

@@ -10,9 +10,11 @@ import pytest
 from stages.electrophysiology.config import EdgeFlux, PatchCurrent
 from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.monodomain import build
+from stages.electrophysiology.separable import is_separable
 from stages.electrophysiology.separable_stepper import SeparableStepper
 from stages.electrophysiology.tissue import TissueState, UnstableSolutionError
 from stages.numerics.bsplines import Array
+from stages.numerics.collocation import collocate
 from stages.numerics.patches import Patch
 from tests.paper import CELL, S1, electrophysiology_config
 from tests.problems import CubicFront, observed_orders, parabolic_sheet, skewed_square
@@ -133,6 +135,19 @@ def test_flat_films_take_the_fast_solver_and_others_the_general_one() -> None:
     assert isinstance(build(config, film(), general=True)[0], GeneralStepper)
     for patch in (parabolic_sheet(0.5, 3.5, 2.0), skewed_square()):
         assert isinstance(build(config, patch.refine(2, (6, 6)))[0], GeneralStepper)
+
+
+@pytest.mark.parametrize(("degree", "elements"), [(2, (408, 2)), (3, (102, 60)), (3, (204, 2))])
+def test_round_off_does_not_cost_a_flat_film_its_fast_solver(
+    degree: int, elements: tuple[int, int]
+) -> None:
+    assert is_separable(collocate(film(elements, degree)))
+
+
+def test_a_slightly_bent_film_is_not_taken_for_a_flat_one() -> None:
+    """A sag of 1 um over 3.5 mm already counts."""
+    bend = 2 * 0.001 / 3.5**2
+    assert not is_separable(collocate(parabolic_sheet(bend, 3.5, 2.0).refine(2, (102, 60))))
 
 
 def test_a_bent_film_carries_the_same_wave_as_a_flat_one() -> None:
