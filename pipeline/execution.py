@@ -138,7 +138,9 @@ def _check_inputs(task: Task, store: Store, error: Exception) -> None:
     """Tell of a damaged input instead of the failure that it led to."""
     for entry in task.inputs.values():
         ref = Ref(entry.stage, entry.key)
-        if problems := store.verify(ref, full=True):
+        with storing(store.data(ref)):
+            problems = store.verify(ref, full=True)
+        if problems:
             raise damaged(ref, store.data(ref).parent, problems) from error
 
 

@@ -8,6 +8,9 @@ from pipeline.errors import StageError
 from pipeline.fingerprint import Fingerprint, known_source, locate
 from pipeline.loaded import loaded_state
 
+NAMED = 3
+"""Modules that a message names; another branch checked out may change dozens."""
+
 
 def check_loaded(stage: str, code: Fingerprint) -> None:
     """Refuse to go on with a stage when modules in memory differ from those of its fingerprint.
@@ -19,9 +22,10 @@ def check_loaded(stage: str, code: Fingerprint) -> None:
     """
     edited = [name for name in (*code.modules, *code.bare) if not _is_stated(name, code)]
     if edited:
+        more = f" and {len(edited) - NAMED} more" if len(edited) > NAMED else ""
         raise StageError(
             stage,
-            f"the source of {', '.join(edited)} was edited after this process had loaded or "
+            f"the source of {', '.join(edited[:NAMED])}{more} was edited after this process had loaded or "
             "fingerprinted it: the result would be kept under the key of other code",
             remedy="start again in a new process",
         )

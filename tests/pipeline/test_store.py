@@ -8,6 +8,7 @@ import json
 import os
 import platform
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -158,6 +159,14 @@ def test_atomic_writing_replaces_all_or_nothing(
     with pytest.raises(OSError, match="full"):
         durable.write_atomically(path, b"new")
     assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_threads_that_replace_the_same_file_do_not_disturb_each_other(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda i: durable.write_atomically(path, b"%04d" % i * 1000), range(40)))
+    assert path.read_bytes() in {b"%04d" % i * 1000 for i in range(40)}
     assert list(tmp_path.iterdir()) == [path]
 
 
