@@ -44,7 +44,7 @@ def test_poisson_converges_at_the_order_of_greville_collocation(degree: int, ord
     errors = np.array([poisson_error(degree, elements) for elements in (8, 16, 32)])
     # pre-asymptotic on such meshes: within 0.35 of the order, never far below it
     assert observed_orders(errors)[-1] > order - 0.35
-    assert errors[-1] < 1e-2
+    assert errors[-1] < 1e-3  # 5e-4 for degrees 2 and 3, 5e-7 for degree 4
 
 
 def test_the_laplacian_of_a_curved_sheet_is_that_of_its_arc_length() -> None:
@@ -77,10 +77,11 @@ def test_a_corner_row_is_the_sum_of_its_two_edge_rows() -> None:
     flux = operators.flux @ linear
     rows, columns = patch.first.size, patch.second.size
     grid = flux.reshape(rows, columns)
-    np.testing.assert_allclose(grid[0, 1:-1], -5.0, atol=1e-11)
-    np.testing.assert_allclose(grid[1:-1, -1], 7.0, atol=1e-11)
+    # derivatives over spans of 0.5 mm of values up to 30: a few hundred roundings of 1e-15
+    np.testing.assert_allclose(grid[0, 1:-1], -5.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(grid[1:-1, -1], 7.0, rtol=0, atol=1e-12)
     corners = [grid[0, 0], grid[0, -1], grid[-1, 0], grid[-1, -1]]
-    np.testing.assert_allclose(corners, [-12.0, 2.0, -2.0, 12.0], atol=1e-11)
+    np.testing.assert_allclose(corners, [-12.0, 2.0, -2.0, 12.0], rtol=0, atol=1e-12)
     np.testing.assert_array_equal(grid[1:-1, 1:-1], 0.0)
 
 

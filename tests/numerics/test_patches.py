@@ -20,7 +20,8 @@ def test_refinement_moves_no_point(patch: Patch, raised: int, split: int) -> Non
     degree = max(patch.first.degree, patch.second.degree) + raised
     finer = patch.refine(degree, elements)
     theta = [np.linspace(s.knots[0], s.knots[-1], 7) for s in patch.spaces]
-    np.testing.assert_allclose(finer.evaluate(*theta), patch.evaluate(*theta), atol=1e-10)
+    # coordinates up to 12, through two interpolations: a hundred roundings of 1e-15 at most
+    np.testing.assert_allclose(finer.evaluate(*theta), patch.evaluate(*theta), rtol=0, atol=1e-12)
 
 
 @settings(deadline=None)
@@ -32,8 +33,9 @@ def test_grid_and_scattered_evaluation_agree(patch: Patch) -> None:
         np.testing.assert_array_equal(
             patch.evaluate(*theta, orders).shape, patch.evaluate_points(pairs, orders).shape
         )
+        # the same sums in another order; two derivatives over spans of 0.2 enlarge round-off by 1e2
         np.testing.assert_allclose(
-            patch.evaluate(*theta, orders), patch.evaluate_points(pairs, orders), atol=1e-9
+            patch.evaluate(*theta, orders), patch.evaluate_points(pairs, orders), rtol=0, atol=1e-11
         )
 
 
@@ -42,8 +44,9 @@ def test_grid_and_scattered_evaluation_agree(patch: Patch) -> None:
 def test_interpolation_at_the_greville_points_gives_the_control_net_back(patch: Patch) -> None:
     greville = (patch.first.greville(), patch.second.greville())
     grid = patch.evaluate(*greville).reshape(patch.control_points.shape)
+    # round-off of coordinates up to 12, times a condition of interpolation below 1e2
     np.testing.assert_allclose(
-        interpolate_grid(patch.spaces, grid), patch.control_points, atol=1e-10
+        interpolate_grid(patch.spaces, grid), patch.control_points, rtol=0, atol=1e-12
     )
 
 
@@ -55,7 +58,7 @@ def test_a_point_of_the_surface_is_located(patch: Patch) -> None:
     theta[:2] = [[0, 0], [1, 1]]
     found = locate(patch.refine(2, (8, 4)), patch.evaluate_points(theta))
     # Gauss-Newton stops at round-off of positions of size 4
-    np.testing.assert_allclose(found, theta, atol=1e-12)
+    np.testing.assert_allclose(found, theta, rtol=0, atol=1e-13)
 
 
 def test_a_point_off_the_film_is_refused() -> None:
