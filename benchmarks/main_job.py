@@ -50,7 +50,7 @@ def chart(results: dict[str, dict[str, object]], path: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8, 2.6), layout="constrained")
-    for row, (name, result) in enumerate(results.items()):
+    for row, result in enumerate(results.values()):
         left = 0.0
         stages = dict(result["computed"])
         stages["everything else"] = result["wall_seconds"] - sum(stages.values())
