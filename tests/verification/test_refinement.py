@@ -59,7 +59,7 @@ def test_activation_times_hardly_feel_half_the_time_step(store: LocalStore) -> N
     [
         # mm, at A, B and C; measured half of these or less
         ("mechanics.n_steps=400", (0.001, 0.002, 0.006)),
-        ("mechanics.elements=[100, 20]", (0.002, 0.003, 0.015)),
+        ("mechanics.elements=[100, 20]", (0.002, 0.004, 0.012)),
     ],
     ids=["half the time step", "half the element size"],
 )
