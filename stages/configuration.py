@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Iterator
+from types import ModuleType
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
@@ -87,8 +89,27 @@ class OneOf:
                 {"name": repr(name), "given": name, "allowed": ", ".join(self.names())},
             )
         module = importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
+        for wrong in self._defects(module, name):
+            raise PydanticCustomError(
+                "bad_model",
+                "the model file {file} {wrong}",
+                {"file": module.__file__, "wrong": wrong},
+            )
         model: type[Section] = module.MODEL
         return model
+
+    def _defects(self, module: ModuleType, name: str) -> Iterator[str]:
+        """What keeps a file from being a model, in words."""
+        model = getattr(module, "MODEL", None)
+        if not (isinstance(model, type) and issubclass(model, self.base)):
+            yield f"must set MODEL to its subclass of {self.base.__name__}"
+            return
+        field = model.model_fields["name"]
+        if field.default != name:
+            yield f'must declare name: Literal["{name}"] = "{name}", after the file'
+        for function in getattr(self.base, "functions", ()):
+            if not callable(getattr(module, function, None)):
+                yield f"must define the function {function}"
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -109,8 +130,8 @@ class OneOf:
         return self.load(value["name"]).model_validate(value)
 
 
-Count = Annotated[int, Field(ge=1)]
-"""A whole number of things of which there is at least one."""
+Count = Annotated[int, Field(ge=1, le=100_000)]
+"""A whole number of things of which there is at least one (and not more than can be meant)."""
 
 Edge = Literal["X=0", "X=L1", "Y=0", "Y=L2"]
 """The four edges of a patch: first or second parametric direction at its start or its end."""

@@ -52,7 +52,7 @@ class ElectrophysiologyConfig(Section):
 
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 4.3", ge=2)
-    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
+    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1, le=10**9)
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
     output_interval: float = quantity("ms", "time between stored frames", "this project", gt=0)
     activation_threshold: float = quantity(
@@ -83,7 +83,8 @@ class ElectrophysiologyConfig(Section):
         library = data.get("stimulus_library") or {}
         chosen = data.get("stimuli")
         if isinstance(chosen, str):
-            chosen = [part.strip() for part in chosen.split(",") if part.strip()]
+            names = chosen.strip().removeprefix("[").removesuffix("]").split(",")
+            chosen = [name.strip() for name in names if name.strip()]
         if not isinstance(chosen, list | tuple) or not isinstance(library, dict):
             return data
         for name in chosen:

@@ -65,8 +65,9 @@ class TissueState:
         UnstableSolutionError
             With the time at which it was noticed.
         """
+        largest = np.finfo(np.float32).max  # frames are stored in single precision
         states = (self.potential, self.recovery, self.active_stress)
-        if not all(np.isfinite(values).all() for values in states):
+        if not all((np.abs(values) <= largest).all() for values in states):
             raise UnstableSolutionError(self.steps, self.steps * step)
 
 

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
 from stages.configuration import Count, Section, quantity, setting
+
+THICKEST = 0.2
+"""Of the smaller side: beyond it Kirchhoff and Love's assumption (sec. 2.2) has no meaning."""
 
 
 class FilmConfig(Section):
@@ -19,6 +25,26 @@ class FilmConfig(Section):
     fibre_angle: float = quantity(
         "degree", "angle of the muscle fibres from the X axis", "sec. 4.1, 4.3", ge=-180, le=180
     )
+
+    @model_validator(mode="after")
+    def _is_thin(self) -> FilmConfig:
+        """A shell is thin; a thickness in micrometres that was meant but not said is not."""
+        for name in ("substrate_thickness", "active_thickness"):
+            thickness, side = getattr(self, name), min(self.length, self.width)
+            if thickness > THICKEST * side:
+                raise PydanticCustomError(
+                    "not_thin",
+                    "{name} = {thickness} mm is not thin beside a film of {length} x {width} mm: at most "
+                    "a fifth of the smaller side is a shell. Numbers are in mm; for micrometres write "
+                    '"{thickness} um"',
+                    {
+                        "name": name,
+                        "thickness": f"{thickness:g}",
+                        "length": f"{self.length:g}",
+                        "width": f"{self.width:g}",
+                    },
+                )
+        return self
 
 
 class MeshConfig(Section):

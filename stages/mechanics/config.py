@@ -18,7 +18,7 @@ class MechanicsConfig(Section):
 
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 3.1", ge=2)
-    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1)
+    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1, le=10**7)
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
     spectral_radius: float = quantity(
         "", "amplification rho_inf of infinitely fast modes", "eq. 67", ge=0, le=1

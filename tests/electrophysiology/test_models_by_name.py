@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +90,39 @@ def test_an_unknown_model_is_refused_with_the_valid_names() -> None:
 def test_a_model_without_its_parameters_is_refused() -> None:
     with pytest.raises(ValidationError, match="zeta_inf"):
         electrophysiology_config(tension_law={"name": "goektepe-kuhl"})
+
+
+FAULTY = 'Literal["faulty"] = "faulty"'
+
+
+@pytest.mark.parametrize(
+    ("left_out", "message"),
+    [
+        ("MODEL = Leak", "must set MODEL to its subclass of CellModel"),
+        ("def recovery_rate(v, w, p): return 0.0 * w", "must define the function recovery_rate"),
+        ('name: Literal["leak"] = "leak"', 'must declare name: Literal["faulty"]'),
+    ],
+)
+def test_a_model_file_with_a_part_missing_says_which(
+    left_out: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = PASSIVE.replace(left_out, "").replace('Literal["leak"] = "leak"', FAULTY)
+    (tmp_path / "faulty.py").write_text(text)
+    monkeypatch.setattr(cell_models, "__path__", [*cell_models.__path__, str(tmp_path)])
+    monkeypatch.delitem(sys.modules, f"{cell_models.__name__}.faulty", raising=False)
+    with pytest.raises(ValidationError, match=re.escape(message)):
+        electrophysiology_config(cell_model={"name": "faulty", "tau": 20.0})
+
+
+def test_the_recipe_in_the_contributing_guide_works_as_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    guide = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    code, table = re.search(r"```python\n(.*?)```.*?```toml\n(.*?)```", guide, re.DOTALL).groups()
+    (tmp_path / "linear_membrane.py").write_text(code)
+    monkeypatch.setattr(cell_models, "__path__", [*cell_models.__path__, str(tmp_path)])
+    chosen = tomllib.loads(table)["electrophysiology"]["cell_model"]
+    config = electrophysiology_config(cell_model=chosen)
+    surface = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(2, (6, 4)))
+    history = electrophysiology.compute(config, surface)
+    assert np.isfinite(np.asarray(history.potential)).all()

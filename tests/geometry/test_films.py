@@ -63,3 +63,8 @@ def test_a_film_without_extent_is_refused(field: str) -> None:
 def test_degree_one_is_refused() -> None:
     with pytest.raises(ValidationError, match="greater than or equal to 2"):
         MeshConfig(elements=(10, 10), degree=1)
+
+
+def test_micrometres_taken_for_millimetres_are_noticed() -> None:
+    with pytest.raises(ValidationError, match=r'substrate_thickness = 18 mm.*write "18 um"'):
+        FilmConfig(**FILM.model_dump() | {"substrate_thickness": 18.0})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from stages.configuration import Section
 
@@ -21,6 +21,9 @@ class CellModel(Section):
     ``constants()`` returns. They are scalar Python; the solver compiles them. Use
     ``stages.numerics.elementary.exp`` for exponentials.
     """
+
+    functions: ClassVar[tuple[str, ...]] = ("ionic_current", "recovery_rate")
+    """What the module must define beside the class."""
 
     name: str
     initial_recovery: float

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from stages.configuration import Section
 
@@ -15,6 +15,9 @@ class TensionLaw(Section):
     in mV, ``w`` the recovery variable, ``sigma`` the active stress in kPa and ``p`` the named tuple
     that ``constants()`` returns. Use ``stages.numerics.elementary.exp`` for exponentials.
     """
+
+    functions: ClassVar[tuple[str, ...]] = ("tension_rate",)
+    """What the module must define beside the class."""
 
     name: str
 

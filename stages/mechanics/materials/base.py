@@ -34,6 +34,9 @@ class Material(Section):
     the part in I1 and I2 does so by incompressibility, psi_4 has to be zero there.
     """
 
+    functions: ClassVar[tuple[str, ...]] = ("energy", "gradient", "hessian")
+    """What the module must define beside the class."""
+
     name: str
     density: float = quantity("mg/mm^3", "mass density", "Table 1, eq. 104", gt=0)
 
