@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,8 +38,8 @@ class Commands(typer.core.TyperGroup):
         except Exception as error:
             if type(error).__module__.partition(".")[0] in ("typer", "click"):
                 raise
-            if ctx.params.get("traceback"):
-                raise
+            if ctx.params.get("show_traceback"):
+                traceback.print_exception(error)
             message, code = _told(error)
             typer.echo(f"Error: {message}", err=True)
             raise typer.Exit(code) from None
@@ -108,7 +109,7 @@ StorePath = Annotated[
 def flags(
     ctx: typer.Context,
     quiet: Annotated[bool, typer.Option("--quiet", help="Tell warnings and errors only.")] = False,
-    traceback: Annotated[
+    show_traceback: Annotated[
         bool, typer.Option("--traceback", help="Show where in the program an error arose.")
     ] = False,
 ) -> None:

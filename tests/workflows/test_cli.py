@@ -77,7 +77,17 @@ def test_the_traceback_is_shown_on_demand(
     fail_with(monkeypatch, StageError("mechanics", "no convergence"))
     line: list[object] = ["run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store"]
     result = invoke(*line[:place], "--traceback", *line[place:])
-    assert isinstance(result.exception, StageError)
+    assert result.exit_code == 1
+    assert "Traceback (most recent call last)" in result.stderr
+    assert result.stderr.endswith("\nError: stage mechanics failed: no convergence\n")
+
+
+def test_the_traceback_leaves_the_exit_code_of_bad_input() -> None:
+    result = invoke("show", "planar-waves", "--set", "geometry.length=-1", "--traceback")
+    assert result.exit_code == 2
+    assert "Traceback (most recent call last)" in result.stderr
+    assert "Error: " in result.stderr
+    assert "greater than 0" in result.stderr
 
 
 def test_a_full_disk_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
