@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.codecs import tree
+from pipeline.durable import write_atomically
 
 R = TypeVar("R")
 
@@ -20,9 +21,16 @@ DESCRIPTION = "description"
 
 
 def save(path: Path, record: Any) -> None:
-    """Write a record as a file."""
-    with h5py.File(path, "w") as file:
+    """Write a record as a file.
+
+    HDF5 builds it in memory: a full disk then fails in our own writing, as an ``OSError``. Inside HDF5
+    it fails at some flush or close, with whatever exception and message that leads to.
+    """
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         tree.write(record, _Writer(file))
+        file.flush()
+        image = file.id.get_file_image()
+    write_atomically(path, image)
 
 
 def load(path: Path, record: type[R]) -> R:

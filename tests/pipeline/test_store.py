@@ -146,6 +146,31 @@ def test_a_full_disk_while_writing_data_is_told_and_leaves_nothing(
     assert list((store.path / "tmp").iterdir()) == []
 
 
+# A limit on the size of files fails where a full disk does: in the middle of the written bytes.
+LIMITED = """
+import resource
+from pipeline.errors import StoreError
+from pipeline.runner import run
+from pipeline.store import LocalStore
+from tests.pipeline import toy
+store = LocalStore({store!r})
+resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, resource.RLIM_INFINITY))
+try:
+    run({{"mesh": toy.mesh(toy.MeshConfig(label="x" * 30_000))}}, store)
+except StoreError as error:
+    print(error)
+"""
+
+
+def test_a_write_that_fails_inside_an_hdf5_part_is_told_in_the_words_of_the_system(
+    store: LocalStore, output: Callable[..., str]
+) -> None:
+    told = output(LIMITED.format(store=str(store.path)))
+    assert told.startswith("the store cannot be used (File too large): ")
+    assert told.count("\n") == 1
+    assert list((store.path / "tmp").iterdir()) == []
+
+
 def test_atomic_writing_replaces_all_or_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
