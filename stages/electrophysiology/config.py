@@ -54,7 +54,9 @@ class ElectrophysiologyConfig(Section):
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 4.3", ge=2)
     n_steps: int = setting("number of time steps", "sec. 4.3", ge=1, le=10**9)
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
-    output_interval: float = quantity("ms", "time between stored frames", "this project", gt=0)
+    output_interval: float = quantity(
+        "ms", "time between stored frames, rounded to whole time steps", "this project", gt=0
+    )
     activation_threshold: float = quantity(
         "mV", "potential whose upward crossing is the activation time", "this project"
     )
@@ -103,20 +105,6 @@ class ElectrophysiologyConfig(Section):
             "stimuli": tuple(library[item] if isinstance(item, str) else item for item in chosen)
         }
 
-    @model_validator(mode="after")
-    def _whole_steps_per_frame(self) -> ElectrophysiologyConfig:
-        """Frames fall on time steps, and the last frame on the end."""
-        step = self.duration / self.n_steps
-        steps = self.output_interval / step
-        if abs(steps - round(steps)) > 1e-9 * steps or self.n_steps % max(round(steps), 1):
-            raise PydanticCustomError(
-                "output_interval",
-                "output_interval {interval} ms must be a whole number of time steps of {step} ms "
-                "(duration / n_steps) and divide the duration evenly",
-                {"interval": self.output_interval, "step": step},
-            )
-        return self
-
     @property
     def step(self) -> float:
         """Time step, ms."""
@@ -124,5 +112,10 @@ class ElectrophysiologyConfig(Section):
 
     @property
     def steps_per_frame(self) -> int:
-        """Time steps between stored frames."""
+        """Time steps between stored frames: the output interval in whole steps, one at least."""
         return max(round(self.output_interval / self.step), 1)
+
+    @property
+    def frame_steps(self) -> list[int]:
+        """Steps after which a frame is stored: 0, then every ``steps_per_frame``, and the last."""
+        return [*range(0, self.n_steps, self.steps_per_frame), self.n_steps]

@@ -7,21 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.numerics.bsplines import Array
 
 LONGEST_BLOCK = 5.0
 """ms; a point is taken to be activated at most once in a block (it stays refractory far longer)."""
 
 
-def frame_blocks(config: ElectrophysiologyConfig) -> Iterator[int]:
-    """Numbers of time steps, each block at most 5 ms, that add up to one stored frame."""
-    left = config.steps_per_frame
-    longest = max(int(LONGEST_BLOCK / config.step), 1)
-    while left:
-        block = min(left, longest)
+def frame_blocks(steps: int, step: float) -> Iterator[int]:
+    """Numbers of time steps, each block at most 5 ms, that add up to ``steps`` of length ``step``."""
+    longest = max(int(LONGEST_BLOCK / step), 1)
+    while steps:
+        block = min(steps, longest)
         yield block
-        left -= block
+        steps -= block
 
 
 class Crossings:

@@ -19,7 +19,8 @@ def electrophysiology(
 
     stepper, state = build(config, surface.patch)
     crossings = Crossings(surface.patch.size)
-    frames = config.n_steps // config.steps_per_frame + 1
+    ends = config.frame_steps
+    frames = len(ends)
     history = run.stream(
         ActivationHistory,
         frames=frames,
@@ -32,7 +33,7 @@ def electrophysiology(
     else:
         history.append(potential=state.potential, active_stress=state.active_stress)
     for frame in range(history.frames_done, frames):
-        for steps in frame_blocks(config):
+        for steps in frame_blocks(ends[frame] - ends[frame - 1], config.step):
             stepper.advance(state, steps, crossings.fresh())
             crossings.collect()
         state.check_finite(config.step)
@@ -41,6 +42,6 @@ def electrophysiology(
         run.checkpoint(lambda: {**state.arrays(), **crossings.arrays()})
     run.note("diffusion_solver", type(stepper).__name__)
     return history.finish(
-        time=np.arange(frames) * config.steps_per_frame * config.step,
+        time=np.array(ends) * config.step,
         activation_times=crossings.table(),
     )

@@ -58,10 +58,9 @@ def test_the_wave_arrives_later_farther_from_the_stimulus() -> None:
 
 
 def test_blocks_add_up_to_a_frame_and_stay_short() -> None:
-    config = electrophysiology_config(duration=100.0, n_steps=1000, output_interval=100.0)
-    blocks = list(frame_blocks(config))
+    blocks = list(frame_blocks(1000, step=0.1))
     assert sum(blocks) == 1000
-    assert max(blocks) * config.step <= 5.0
+    assert max(blocks) * 0.1 <= 5.0
 
 
 def test_events_become_a_table_of_beats() -> None:
@@ -90,9 +89,13 @@ def test_stimuli_may_be_named() -> None:
         electrophysiology_config(**fields | {"stimuli": "S11"})
 
 
-def test_frames_between_time_steps_are_refused() -> None:
-    with pytest.raises(ValueError, match="whole number of time steps"):
-        electrophysiology_config(output_interval=0.07)
+def test_frames_fall_on_whole_steps_and_on_the_end() -> None:
+    """Steps of 0.08 ms and an interval of 1 ms: every 12 steps (0.96 ms), and the last, the 250th."""
+    config = electrophysiology_config(duration=20.0, n_steps=250, output_interval=1.0)
+    history = electrophysiology.compute(config, SURFACE)
+    np.testing.assert_allclose(history.time[:3], [0.0, 0.96, 1.92], rtol=1e-15)
+    np.testing.assert_allclose(history.time[-2:], [240 * 0.08, 20.0], rtol=1e-15)
+    assert np.asarray(history.potential).shape[0] == history.time.size == 22
 
 
 @pytest.mark.parametrize("after", [2, 5, 13], ids=["first frame", "in between", "last frame"])

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import Result
 
 from tests.workflows.conftest import invoke
+from workflows.exports.ledger import Ledger
 
 
 def refused(result: Result, *parts: str) -> None:
@@ -38,7 +39,6 @@ def refused(result: Result, *parts: str) -> None:
         ("mechanics.elements=[50, 0]", ["mechanics.elements", "at least 1"]),
         ("electrophysiology.elements=[102]", ["a list of 2 whole numbers"]),
         ("electrophysiology.output_interval=0", ["output_interval", "greater than 0"]),
-        ("electrophysiology.output_interval=0.03", ["output_interval", "0.02 ms"]),
         ("electrophysiology.duration=1000", ["1000 ms", "mechanics.duration = 2000 ms"]),
         ("postprocessing.probes.D=[3.6,1]", ["probes.D = (3.6, 1)", "[0, 3.5] x [0, 2] mm"]),
         ("postprocessing.mid_axis=2.1", ["mid_axis = 2.1 mm", "outside the film"]),
@@ -110,6 +110,19 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_computing(
     for out in (path, path / "below"):
         result = invoke("run", "planar-waves", "--out", out, "--store", store)
         refused(result, "output folder", str(out), "--out")
+    assert not store.exists()
+
+
+def test_a_single_stage_does_not_replace_the_summary_of_a_whole_run(tmp_path: Path) -> None:
+    store, out = tmp_path / "store", tmp_path / "out"
+    out.mkdir()
+    (out / "report.html").write_text("")
+    (out / "summary.json").write_text("whole")
+    Ledger(out).made("report.html", "source")
+    for stage in ("geometry", "postprocessing"):
+        result = invoke(stage, "planar-waves", "--out", out, "--store", store)
+        refused(result, str(out), "whole run", "--out")
+    assert (out / "summary.json").read_text() == "whole"
     assert not store.exists()
 
 
