@@ -52,7 +52,14 @@ def run_stage(
     *,
     quiet: bool,
 ) -> None:
-    """Compute one stage and what it needs, and write the summary of that."""
+    """Compute one stage and what it needs, and write the summary of that.
+
+    Raises
+    ------
+    InputError
+        If the output folder holds a whole run, whose summary would be lost.
+    """
+    from pipeline.errors import InputError
     from pipeline.runner import run
     from workflows.exports.ledger import Ledger
     from workflows.exports.outputs import read_quantities, write_summary
@@ -61,11 +68,17 @@ def run_stage(
     nodes = request.nodes(stage)
     kept = open_store(store)
     folder = output_folder(out or Path("results") / name / stage)
+    ledger = Ledger(folder)
+    if ledger.holds_files():
+        raise InputError(
+            f"the output folder {folder} holds a whole run, and the summary of {stage} alone would "
+            "replace its summary.json; choose another folder with --out"
+        )
     with watching(quiet=quiet) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = {}
     if request.workflow.measured in outcomes:
-        quantities = read_quantities(request, outcomes, Ledger(folder))
+        quantities = read_quantities(request, outcomes, ledger)
     write_summary(request, outcomes, quantities, folder)
     if not quiet:
         print(f"\nresult   {kept.data(outcomes[stage].manifest.ref)}")

@@ -45,6 +45,13 @@ def test_an_unreadable_ledger_counts_as_empty(tmp_path: Path) -> None:
         assert not Ledger(tmp_path).is_current("table.csv", "source")
 
 
+def test_values_are_no_files(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ledger.keep("quantities", "source", {"speed": 0.0175})
+    assert not Ledger(tmp_path).holds_files()
+    assert made(tmp_path).holds_files()
+
+
 def test_a_value_is_kept_with_its_source(tmp_path: Path) -> None:
     Ledger(tmp_path).keep("quantities", "source", {"speed": 0.0175})
     assert Ledger(tmp_path).value("quantities", "source") == {"speed": 0.0175}

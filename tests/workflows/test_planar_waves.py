@@ -165,8 +165,9 @@ def test_a_stage_command_computes_what_the_stage_needs(desk: Desk, first: dict[s
     assert list(summary["stages"]) == ["geometry", "electrophysiology"]
     assert computed(summary) == []
     assert summary["quantities"] == {}
-    whole = desk.run("measured", command="postprocessing")
-    assert whole["quantities"] == first["quantities"]
+    for _ in range(2):  # the second time into a folder that the first has left
+        whole = desk.run("measured", command="postprocessing")
+        assert whole["quantities"] == first["quantities"]
 
 
 def test_the_spelling_of_a_value_does_not_change_a_key(desk: Desk, first: dict[str, Any]) -> None:

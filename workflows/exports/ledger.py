@@ -62,6 +62,10 @@ class Ledger:
         }
         self._save()
 
+    def holds_files(self) -> bool:
+        """Whether files were exported here: only whole runs do that, a single stage has none."""
+        return any("sha256" in entry for entry in self._entries.values() if isinstance(entry, dict))
+
     def value(self, name: str, source: str) -> Any:
         """A value kept with its source, ``None`` if it was made from something else."""
         entry = self._entries.get(name)
