@@ -58,6 +58,13 @@ def _told(error: Exception) -> tuple[str, int]:
     return f"unexpected {kind}: {error}\nRun again with --traceback to see where.", 1
 
 
+def _path(text: str | Path) -> Path:
+    """A path; an empty one would mean the current folder, and be an unset shell variable."""
+    if text == "":
+        raise typer.BadParameter("it is empty; give a path, or leave the option out")
+    return Path(text)
+
+
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
@@ -75,7 +82,9 @@ app.add_typer(store_app, name="store")
 Name = Annotated[str, typer.Argument(metavar="WORKFLOW", help="See `myofilm list`.")]
 Config = Annotated[
     Path | None,
-    typer.Option("--config", metavar="FILE.toml", help="Parameters over the paper's."),
+    typer.Option(
+        "--config", metavar="FILE.toml", parser=_path, help="Parameters over the paper's."
+    ),
 ]
 Settings = Annotated[
     list[str] | None,
@@ -91,6 +100,7 @@ Out = Annotated[
     typer.Option(
         "--out",
         metavar="DIR",
+        parser=_path,
         help="Output folder.  [default: results/WORKFLOW; of one stage results/WORKFLOW/STAGE]",
     ),
 ]
@@ -99,6 +109,7 @@ StorePath = Annotated[
     typer.Option(
         "--store",
         metavar="DIR",
+        parser=_path,
         envvar="MYOFILM_STORE",
         help="Where results are kept.  [default: the user's cache folder]",
     ),
@@ -188,9 +199,9 @@ def reproduce(
     ] = None,
     config: Config = None,
     settings: Settings = None,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Output folder.")] = Path(
-        "results/reproduce"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", parser=_path, help="Output folder.")
+    ] = Path("results/reproduce"),
     store: StorePath = None,
 ) -> None:
     """Draw a figure of the paper."""

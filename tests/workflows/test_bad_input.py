@@ -126,6 +126,18 @@ def test_a_single_stage_does_not_replace_the_summary_of_a_whole_run(tmp_path: Pa
     assert not store.exists()
 
 
+def test_an_empty_path_is_not_taken_for_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in (["run", "planar-waves"], ["mechanics", "planar-waves"], ["reproduce", "fig9"]):
+        for option in ("--config", "--out", "--store"):
+            refused(invoke(*command, option, ""), option, "empty")
+    for command in (["explain", "planar-waves"], ["store", "ls"], ["store", "show", "ab"]):
+        refused(invoke(*command, "--store", ""), "--store", "empty")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_unknown_or_ambiguous_key_is_refused(tmp_path: Path) -> None:
     refused(invoke("store", "show", "abc", "--store", tmp_path), "starts with 'abc'")
     for key in ("aa11", "aa22"):

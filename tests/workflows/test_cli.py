@@ -44,6 +44,14 @@ def test_an_empty_store_is_no_error(tmp_path: Path) -> None:
     assert not (tmp_path / "nothing").exists()
 
 
+def test_an_empty_variable_counts_as_unset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("platformdirs.user_cache_dir", lambda name: str(tmp_path / name))
+    monkeypatch.setenv("MYOFILM_STORE", "")
+    assert str(tmp_path / "myofilm") in invoke("store", "ls").output
+    monkeypatch.setenv("MYOFILM_STORE", str(tmp_path / "mine"))
+    assert str(tmp_path / "mine") in invoke("store", "ls").output
+
+
 def test_explaining_computes_nothing(tmp_path: Path) -> None:
     result = invoke("explain", "planar-waves", "--store", tmp_path / "store")
     assert result.exit_code == 0
