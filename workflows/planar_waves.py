@@ -19,6 +19,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurren
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
+from workflows.tables import exact
 from workflows.workflow import Export, Quantity, Workflow
 
 if TYPE_CHECKING:
@@ -49,14 +50,15 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
     covered, needed = config.electrophysiology.duration, config.mechanics.duration
     if covered < needed:
         yield (
-            f"electrophysiology.duration = {covered:g} ms ends before mechanics.duration = "
-            f"{needed:g} ms: the film would move without knowing its active stress"
+            f"electrophysiology.duration = {exact(covered)} ms ends before mechanics.duration = "
+            f"{exact(needed)} ms: the film would move without knowing its active stress"
         )
-    extent = f"[0, {film.length:g}] x [0, {film.width:g}] mm"
+    extent = f"{_interval((0, film.length))} x {_interval((0, film.width))} mm"
     for name, (x, y) in measured.probes.items():
         if not (0 <= x <= film.length and 0 <= y <= film.width):
             yield (
-                f"postprocessing.probes.{name} = ({x:g}, {y:g}) mm lies outside the film {extent}"
+                f"postprocessing.probes.{name} = ({exact(x)}, {exact(y)}) mm lies outside the film "
+                f"{extent}"
             )
     for stimulus in config.electrophysiology.stimuli:
         if isinstance(stimulus, PatchCurrent) and not (
@@ -66,17 +68,24 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
             and stimulus.y[1] <= film.width
         ):
             yield (
-                f"electrophysiology.stimuli: the stimulated rectangle X {stimulus.x}, Y {stimulus.y} "
-                f"mm reaches outside the film {extent}"
+                "electrophysiology.stimuli: the stimulated rectangle "
+                f"{_interval(stimulus.x)} x {_interval(stimulus.y)} mm reaches outside the film "
+                f"{extent}"
             )
     if measured.mid_axis > film.width:
-        yield (f"postprocessing.mid_axis = {measured.mid_axis:g} mm lies outside the film {extent}")
-    low, high = measured.velocity_window
-    if low < 0 or high > film.length:
         yield (
-            f"postprocessing.velocity_window = [{low:g}, {high:g}] mm reaches outside the film "
+            f"postprocessing.mid_axis = {exact(measured.mid_axis)} mm lies outside the film {extent}"
+        )
+    window = measured.velocity_window
+    if window[0] < 0 or window[1] > film.length:
+        yield (
+            f"postprocessing.velocity_window = {_interval(window)} mm reaches outside the film "
             f"{extent}"
         )
+
+
+def _interval(ends: tuple[float, float]) -> str:
+    return f"[{exact(ends[0])}, {exact(ends[1])}]"
 
 
 def plan(config: PlanarWavesConfig) -> Mapping[str, Node[Any]]:

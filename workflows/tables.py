@@ -27,6 +27,17 @@ def number(value: Any) -> str:
     return str(value)
 
 
+def exact(value: float) -> str:
+    """A number with all digits it takes to tell it from its neighbours.
+
+    Examples
+    --------
+    >>> exact(3.5), exact(1.0), exact(3.5000000000000004)
+    ('3.5', '1', '3.5000000000000004')
+    """
+    return repr(float(value)).removesuffix(".0")
+
+
 def parameter(value: Any) -> str:
     """A parameter as it may be typed in again.
 

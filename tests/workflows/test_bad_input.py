@@ -41,12 +41,17 @@ def refused(result: Result, *parts: str) -> None:
         ("electrophysiology.output_interval=0", ["output_interval", "greater than 0"]),
         ("electrophysiology.duration=1000", ["1000 ms", "mechanics.duration = 2000 ms"]),
         ("postprocessing.probes.D=[3.6,1]", ["probes.D = (3.6, 1)", "[0, 3.5] x [0, 2] mm"]),
+        ("postprocessing.probes.A=[3.5000001,1]", ["(3.5000001, 1)", "[0, 3.5] x [0, 2] mm"]),
+        ("geometry.length=3.4999999", ["(3.5, 1)", "[0, 3.4999999] x [0, 2] mm"]),
+        ("mechanics.duration=2000.0005", ["2000 ms", "mechanics.duration = 2000.0005 ms"]),
+        ("postprocessing.velocity_window=[1,3.5000001]", ["[1, 3.5000001]", "outside"]),
+        ("postprocessing.mid_axis=2.0000001", ["mid_axis = 2.0000001 mm", "outside the film"]),
         ("postprocessing.mid_axis=2.1", ["mid_axis = 2.1 mm", "outside the film"]),
         ("postprocessing.velocity_window=[1,4]", ["velocity_window = [1, 4]", "outside"]),
         (
             'electrophysiology.stimuli=[{kind="patch-current", x=[3.0, 4.0], y=[0.0, 1.0], '
             "start=0.0, duration=5.0, current=20.0}]",
-            ["stimulated rectangle", "outside the film"],
+            ["stimulated rectangle [3, 4] x [0, 1] mm", "outside the film"],
         ),
         ("mechanics.plane_points=1", ["plane_points 1 is too few for degree 2"]),
         ("geometry.length=nan", ["geometry.length", "finite"]),
