@@ -5,7 +5,8 @@ Where things are:
 - ``nodes`` (``stage``, ``Node``), ``runs`` (what a running stage may ask), ``records``, ``annotations``
 - ``canonical``, ``fingerprint``, ``keys``: what makes two results the same
 - ``loaded``, ``freshness``: whether the code in memory is the code that a key states
-- ``store``, ``manifest``, ``locks``, ``durable``, ``codecs``, ``loading``: how results are kept and read
+- ``store``, ``manifest``, ``verification``, ``locks``, ``durable``, ``codecs``, ``loading``: how results
+  are kept and read
 - ``plan``, ``reasons``: what would run, and why
 - ``runner``, ``execution``, ``storerun``, ``streams``, ``frames``, ``checkpoints``, ``interrupts``:
   how a stage runs, streams and resumes

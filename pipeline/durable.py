@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipeline.errors import StoreError
+from pipeline.errors import InputError, StoreError
 
 
 def write_atomically(path: Path, contents: bytes) -> None:
@@ -59,7 +59,7 @@ def storing(path: Path) -> Iterator[None]:
     Raises
     ------
     StoreError
-        Naming the path, the space left on its disk and what to do.
+        Naming the path and what to do, for a full disk also the space left on it.
     """
     try:
         yield
@@ -67,22 +67,45 @@ def storing(path: Path) -> Iterator[None]:
         raise _told(error, path) from error
 
 
+@contextlib.contextmanager
+def opening(path: Path) -> Iterator[None]:
+    """Translate disk errors met in the block, which makes the first use of a store.
+
+    Raises
+    ------
+    InputError
+        If this store can never be used: another one must be asked for.
+    StoreError
+        If its disk is full.
+    """
+    try:
+        yield
+    except OSError as error:
+        told = _told(error, path)
+        if _is_full(error):
+            raise told from error
+        raise InputError(str(told)) from error
+
+
 def _told(error: OSError, path: Path) -> StoreError:
     where = Path(error.filename) if isinstance(error.filename, str) else path
-    code, text = error.errno, str(error)
-    if code in (errno.ENOSPC, errno.EDQUOT) or "No space left" in text or "errno = 28" in text:
-        return StoreError(
-            f"no space left on the disk of the store ({_free(path)} free)",
-            path=where,
-            remedy="free some space, or choose another disk with --store",
-        )
-    if code in (errno.EACCES, errno.EPERM, errno.EROFS):
-        return StoreError(
-            f"no permission to write to the store ({_free(path)} free)",
-            path=where,
-            remedy="change the permissions, or choose another folder with --store",
-        )
-    return StoreError(f"the store cannot be used ({error.strerror or text})", path=where)
+    if _is_full(error):
+        cause = f"no space left on the disk of the store ({_free(path)} free)"
+        remedy = "free some space, or choose another disk with --store"
+    elif error.errno == errno.EROFS:
+        cause = "the store is on a read-only file system"
+        remedy = "choose another folder with --store"
+    elif error.errno in (errno.EACCES, errno.EPERM):
+        cause = "no permission to use the store"
+        remedy = "change the permissions, or choose another folder with --store"
+    else:
+        cause = f"the store cannot be used ({error.strerror or error})"
+        remedy = "choose another folder with --store"
+    return StoreError(cause, path=where, remedy=remedy)
+
+
+def _is_full(error: OSError) -> bool:
+    return error.errno in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error)
 
 
 def _free(path: Path) -> str:

@@ -24,9 +24,10 @@ from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, who
 from pipeline.nodes import Node, source_node
 from pipeline.provenance import environment
 from pipeline.records import WHOLE
-from pipeline.store import Store, Workspace, damaged
+from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
 from pipeline.threads import one_blas_thread
+from pipeline.verification import damaged
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from pipeline.durable import storing
 from pipeline.keys import Ref
 from pipeline.manifest import FileEntry, sha256
 from pipeline.records import parts_of
-from pipeline.store import Store, damaged, wrong_checksum
+from pipeline.store import Store
+from pipeline.verification import damaged, wrong_checksum
 
 
 def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -> Any:

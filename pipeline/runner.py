@@ -98,6 +98,8 @@ def run(
     StageError
         If a stage fails, or its code was edited after this process had loaded it; what was
         published before stays.
+    InputError
+        If the store may not be written to from the beginning.
     StoreError
         If the store cannot be read or written.
     """

@@ -18,20 +18,21 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
-from pipeline.durable import remove_tree, storing, sync, sync_tree, write_atomically
+from pipeline.durable import opening, remove_tree, storing, sync, sync_tree, write_atomically
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.loaded import state
 from pipeline.locks import locked
-from pipeline.manifest import FileEntry, Manifest, hash_files
+from pipeline.manifest import Manifest
+from pipeline.verification import damaged, full_problems, size_problem
 
 RECENT_NS = 100_000_000
 """A file as young as this may change again without a change of its modification time."""
@@ -100,7 +101,15 @@ class Store(Protocol):
     def writing(
         self, ref: Ref, on_wait: Callable[[Holder], None]
     ) -> AbstractContextManager[Workspace]:
-        """Hold the lock of a key, waiting for its present holder, and work on the artefact."""
+        """Hold the lock of a key, waiting for its present holder, and work on the artefact.
+
+        Raises
+        ------
+        InputError
+            If the store cannot be written to, the first time that this is wanted.
+        StoreError
+            If it cannot any longer.
+        """
         ...
 
 
@@ -153,22 +162,27 @@ class LocalStore:
     Raises
     ------
     InputError
-        If the path is (or lies below) a file, or the store was written by a newer version.
+        If the path is (or lies below) a file, the folder may not be read, or the store was written
+        by a newer version.
     StoreError
-        If the folder cannot be read.
+        If the description of the store is damaged.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path).expanduser().absolute()
-        if blocking := [
-            p for p in (self.path, *self.path.parents) if p.exists() and not p.is_dir()
-        ]:
+        self._written = False
+        with opening(self.path):
+            above = (self.path, *self.path.parents)
+            blocking = [p for p in above if p.exists() and not p.is_dir()]
+        if blocking:
             raise InputError(f"the store must be a folder, but {blocking[0]} is a file")
         self._check_version()
 
     def find(self, ref: Ref) -> Manifest | None:
         """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked."""
-        if not self._folder(ref).is_dir():
+        with storing(self.path):
+            present = self._folder(ref).is_dir()
+        if not present:
             return None
         if problems := self.verify(ref):
             raise damaged(ref, self._folder(ref), problems)
@@ -212,21 +226,23 @@ class LocalStore:
             manifest = self.manifest(ref)
         except StoreError as error:
             return (error.cause,)
-        problems = [p for p in (_size_problem(self.data(ref), f) for f in manifest.files) if p]
+        problems = [p for p in (size_problem(self.data(ref), f) for f in manifest.files) if p]
         if manifest.ref != ref:
             problems.append(f"its manifest belongs to {manifest.ref}")
         if full and not problems:
-            problems.extend(_full_problems(self.data(ref), manifest))
+            problems.extend(full_problems(self.data(ref), manifest))
         return tuple(problems)
 
     @contextlib.contextmanager
     def writing(self, ref: Ref, on_wait: Callable[[Holder], None]) -> Iterator[LocalWorkspace]:
         """Hold the lock of a key, waiting for its present holder, and work on the artefact."""
         with contextlib.ExitStack() as stack:
-            with storing(self.path):
+            # A store that could be written to before is no bad request, whatever happens now.
+            with storing(self.path) if self._written else opening(self.path):
                 self._prepare()
                 lock = locked(self.path / "locks" / ref.key, ref.stage, on_wait)
                 exclusive = stack.enter_context(lock)
+            self._written = True
             # Without locks each process works apart, and the rename decides who was first.
             name = ref.key if exclusive else f"{ref.key}.{platform.node()}.{os.getpid()}"
             yield LocalWorkspace(
@@ -247,7 +263,7 @@ class LocalStore:
     def _check_version(self) -> None:
         about = self.path / "store.json"
         try:
-            with storing(about):
+            with opening(about):
                 version = json.loads(about.read_bytes())["version"] if about.exists() else SCHEMA
         except (ValueError, KeyError, TypeError) as error:
             raise StoreError("unreadable description of the store", path=about) from error
@@ -258,23 +274,9 @@ class LocalStore:
             )
 
 
-def damaged(ref: Ref, folder: Path, problems: Iterable[str]) -> StoreError:
-    """The error that tells of a damaged artefact."""
-    return StoreError(
-        f"artefact {ref} is damaged ({'; '.join(problems)})",
-        path=folder,
-        remedy="remove this folder; the next run computes the artefact again",
-    )
-
-
 def _entries(folder: Path) -> list[str]:
     with storing(folder):
         return sorted(os.listdir(folder)) if folder.is_dir() else []
-
-
-def wrong_checksum(path: str) -> str:
-    """The problem of a file that does not hold what was published."""
-    return f"the checksum of {path} is wrong"
 
 
 def _read_manifest(path: Path) -> Manifest:
@@ -288,22 +290,3 @@ def _read_manifest(path: Path) -> Manifest:
 @lru_cache(maxsize=256)
 def _memoised_manifest(path: Path, mtime_ns: int, size: int) -> Manifest:
     return Manifest.from_json(path.read_bytes())
-
-
-def _size_problem(data: Path, file: FileEntry) -> str | None:
-    try:
-        size = (data / file.path).stat().st_size
-    except OSError:
-        return f"{file.path} is missing"
-    return None if size == file.size else f"{file.path} has {size} bytes instead of {file.size}"
-
-
-def _full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
-    found = {entry.path: entry for entry in hash_files(data)}
-    kept = {entry.path: entry for entry in manifest.files}
-    yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
-    for path in sorted(kept):
-        if found[path].sha256 != kept[path].sha256:
-            yield wrong_checksum(path)
-    if manifest.stated_key() != manifest.key:
-        yield "its key is not that of its statement"

@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import platform
+import shutil
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -66,6 +67,56 @@ def test_a_store_path_that_is_a_file_is_bad_input(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="file is a file") as caught:
             LocalStore(path)
         assert caught.value.exit_code == 2
+
+
+UNUSABLE = [
+    (errno.EACCES, "^no permission to use the store: "),
+    (errno.EROFS, "^the store is on a read-only file system: "),
+    (errno.ENOENT, r"^the store cannot be used \(No such file or directory\): "),
+]
+
+
+@pytest.mark.parametrize("function", ["mkdir", "open"])  # a folder of the store, its lock file
+@pytest.mark.parametrize(("code", "message"), UNUSABLE)
+def test_a_store_that_cannot_be_written_to_is_bad_input_until_it_once_was(
+    code: int, message: str, function: str, store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*arguments: Any, **named: Any) -> Any:
+        raise OSError(code, os.strerror(code), str(arguments[0]))
+
+    run({"mesh": toy.mesh(toy.MeshConfig())}, store)
+    monkeypatch.setattr(os, function, refuse)
+    if function == "mkdir":
+        shutil.rmtree(store.path / "locks")
+    others = {"mesh": toy.mesh(toy.MeshConfig(height=2.0))}
+    with pytest.raises(InputError, match=message) as caught:
+        run(others, LocalStore(store.path))
+    assert "--store" in str(caught.value)
+    assert "free" not in str(caught.value)
+    with pytest.raises(StoreError, match=message):
+        run(others, store)
+
+
+def test_a_store_that_may_not_be_read_is_bad_input(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path, **named: Any) -> Any:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "stat", refuse)
+    with pytest.raises(InputError, match="no permission to use the store"):
+        LocalStore(store.path)
+
+
+def test_a_disk_that_is_full_from_the_beginning_is_no_bad_input(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*arguments: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "mkdir", full)
+    with pytest.raises(StoreError, match="no space left"):
+        run({"mesh": toy.mesh(toy.MeshConfig())}, store)
 
 
 def test_a_store_of_a_newer_version_is_bad_input(store: LocalStore) -> None:
@@ -136,7 +187,7 @@ def test_a_full_disk_while_writing_data_is_told_and_leaves_nothing(
     target: str, store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*arguments: Any) -> None:
-        raise OSError("Can't synchronously write data (file write failed: errno = 28)")
+        raise OSError(errno.ENOSPC, "No space left on device")
 
     run({"mesh": toy.mesh(toy.MeshConfig())}, store)
     monkeypatch.setattr(target, full)
@@ -167,7 +218,7 @@ def test_a_write_that_fails_inside_an_hdf5_part_is_told_in_the_words_of_the_syst
 ) -> None:
     told = output(LIMITED.format(store=str(store.path)))
     assert told.startswith("the store cannot be used (File too large): ")
-    assert told.count("\n") == 1
+    assert told.count("\n") == 2  # and a remedy
     assert list((store.path / "tmp").iterdir()) == []
 
 

@@ -1,0 +1,45 @@
+"""Whether an artefact is what was published, and the words for what is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from pipeline.errors import StoreError
+from pipeline.keys import Ref
+from pipeline.manifest import FileEntry, Manifest, hash_files
+
+
+def damaged(ref: Ref, folder: Path, problems: Iterable[str]) -> StoreError:
+    """The error that tells of a damaged artefact."""
+    return StoreError(
+        f"artefact {ref} is damaged ({'; '.join(problems)})",
+        path=folder,
+        remedy="remove this folder; the next run computes the artefact again",
+    )
+
+
+def wrong_checksum(path: str) -> str:
+    """The problem of a file that does not hold what was published."""
+    return f"the checksum of {path} is wrong"
+
+
+def size_problem(data: Path, file: FileEntry) -> str | None:
+    """The problem of a file whose size is not the published one, ``None`` if it is."""
+    try:
+        size = (data / file.path).stat().st_size
+    except OSError:
+        return f"{file.path} is missing"
+    return None if size == file.size else f"{file.path} has {size} bytes instead of {file.size}"
+
+
+def full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
+    """Problems of an artefact whose sizes are right: its files, checksums and key."""
+    found = {entry.path: entry for entry in hash_files(data)}
+    kept = {entry.path: entry for entry in manifest.files}
+    yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
+    for path in sorted(kept):
+        if found[path].sha256 != kept[path].sha256:
+            yield wrong_checksum(path)
+    if manifest.stated_key() != manifest.key:
+        yield "its key is not that of its statement"
