@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import traceback
 from pathlib import Path
 from typing import Annotated, Any
@@ -235,8 +237,16 @@ def store_show(
     show_artefact(key, store)
 
 
+def _silence_closed_streams() -> None:
+    """Open what the caller closed (``>&-``) on nothing, before another file takes its number."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode))
+
+
 def main() -> None:
     """Entry point of the command ``myofilm``."""
+    _silence_closed_streams()
     app(prog_name="myofilm")
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import csv
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -12,7 +15,7 @@ import pytest
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
 from workflows.exports import paraview, probes
-from workflows.exports.files import replacing
+from workflows.exports.files import ExportError, replacing
 from workflows.exports.sampling import FilmGrid
 
 
@@ -89,6 +92,39 @@ def test_fields_of_both_meshes_are_sampled_at_the_same_material_points(
     places = patch.evaluate(*(space.greville() for space in patch.spaces))
     # X at the collocation points, sampled as a field, is X of the film: both are in their spaces.
     np.testing.assert_allclose(grid.cell_field(places[:, 0]), grid.reference[..., 0], atol=1e-13)
+
+
+@contextmanager
+def files_up_to(size: int) -> Iterator[None]:
+    """Writing more than this into one file fails, as it does on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize(
+    ("write", "name"), [(probes.write, "probes.csv"), (paraview.write, "film.vtkhdf")]
+)
+def test_a_disk_without_room_is_told_with_the_path_and_what_to_do(
+    write: Callable[[Experiment, Path], None], name: str, experiment: Experiment, tmp_path: Path
+) -> None:
+    with files_up_to(1000), pytest.raises(ExportError) as caught:
+        write(experiment, tmp_path)
+    assert str(caught.value) == (
+        f"cannot write {tmp_path / name}: file too large\n"
+        "Remedy: run again with --out elsewhere; all results are kept, and nothing is computed again"
+    )
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_that_cannot_be_read_is_not_taken_for_the_one_that_is_written(
+    tmp_path: Path,
+) -> None:
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "table.csv"):
+        (tmp_path / "store").read_text()
 
 
 def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:

@@ -203,6 +203,20 @@ def test_another_process_gets_the_same_keys_and_the_same_bytes(
         assert there.manifest(ref).files == here.manifest(ref).files, ref
 
 
+def test_a_closed_output_is_no_error(desk: Desk, first: dict[str, Any]) -> None:
+    command = [sys.executable, "-m", "workflows.cli", "run", "planar-waves"]
+    where = ["--config", desk.config, "--store", desk.store, "--out", desk.folder / "closed"]
+    done = subprocess.run(
+        ["sh", "-c", 'exec "$@" >&-', "sh", *command, *map(str, where)],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (desk.folder / "closed" / "summary.json").exists()
+
+
 def test_the_store_tells_what_it_holds(desk: Desk, first: dict[str, Any]) -> None:
     listed = invoke("store", "ls", "mechanics", "--store", desk.store).output
     key = first["stages"]["mechanics"]["key"]

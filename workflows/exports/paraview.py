@@ -29,11 +29,18 @@ SCALARS = ("potential", "active_stress")
 
 
 def write(experiment: Experiment, folder: Path) -> None:
-    """Write ``film.vtkhdf`` into a folder, one frame per mechanics time."""
+    """Write ``film.vtkhdf`` into a folder, one frame per mechanics time.
+
+    The file is put together in memory: HDF5 crashes when it closes a file on a full disk.
+    """
     elements = experiment.geometry.mid_surface.patch.first.elements
     grid = FilmGrid.square(experiment, QUADS_PER_ELEMENT * elements)
-    with replacing(folder / "film.vtkhdf") as path, h5py.File(path, "w") as file:
+    with h5py.File("film.vtkhdf", "w", driver="core", backing_store=False) as file:
         _write_series(file, experiment, grid)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(folder / "film.vtkhdf") as path:
+        path.write_bytes(image)
 
 
 def quads(shape: tuple[int, int]) -> NDArray[np.int64]:
