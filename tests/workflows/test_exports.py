@@ -84,6 +84,16 @@ def test_cells_turn_counter_clockwise_seen_from_above(experiment: Experiment) ->
     assert area.sum() == pytest.approx(7.0, rel=1e-12)
 
 
+@pytest.mark.parametrize(("along", "across"), [(100, 58), (24, 14), (2, 2)])
+def test_the_probes_are_points_of_the_grid(along: int, across: int, experiment: Experiment) -> None:
+    grid = FilmGrid.square(experiment, along)
+    assert grid.shape == (along + 1, across + 1)
+    points = grid.reference.reshape(-1, 3)
+    for probe in experiment.measures.probe_points:
+        # Splines with degree 2 give a linear field up to rounding.
+        assert np.linalg.norm(points - probe, axis=1).min() < 1e-14
+
+
 def test_fields_of_both_meshes_are_sampled_at_the_same_material_points(
     experiment: Experiment,
 ) -> None:

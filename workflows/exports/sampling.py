@@ -28,10 +28,13 @@ class FilmGrid:
 
     @classmethod
     def square(cls, experiment: Experiment, quads_along: int) -> FilmGrid:
-        """Grid of nearly square cells, ``quads_along`` of them along X."""
+        """Grid of nearly square cells, ``quads_along`` of them along X.
+
+        Across, their number is even: the mid-axis, on which the probes are, is a line of the grid.
+        """
         net = experiment.geometry.mid_surface.patch.control_points
         length, width, _ = np.ptp(net.reshape(-1, 3), axis=0)
-        across = max(round(quads_along * width / length), 2)
+        across = max(2 * round(quads_along * width / length / 2), 2)
         return cls(experiment, (quads_along + 1, across + 1))
 
     @cached_property
