@@ -53,8 +53,8 @@ def execute(
         If the stage raises, or its code in memory is not the code that its key states.
     StoreError
         If an input cannot be read or the result cannot be written.
-    KeyboardInterrupt
-        After publishing, if Ctrl-C came after the last checkpoint.
+    Stopped
+        After publishing, if a signal to stop came after the last checkpoint.
     """
     stage, key, code = task.node.stage, task.statement.key, task.statement.code
     check_loaded(stage.name, code)
@@ -75,9 +75,8 @@ def execute(
             with contextlib.suppress(OSError):  # the first error is the one to tell
                 remove_tree(work.folder)
         raise
-    listen(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
-    if run.interrupts.requested:
-        raise KeyboardInterrupt
+    run.emit(StageFinished(task.name, stage.name, key, manifest.seconds, manifest.size))
+    run.interrupts.check()
     return manifest
 
 

@@ -1,59 +1,108 @@
-"""Ctrl-C that waits for a moment at which the work can be saved."""
+"""Signals to stop (Ctrl-C, SIGTERM, SIGHUP) that wait for a moment at which the work can be saved."""
 
 from __future__ import annotations
 
 import contextlib
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+REPEATED = 1.0
+"""Seconds in which SIGTERM and SIGHUP count once: ``timeout`` and closing terminals send them twice."""
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal asked to stop.
+
+    Attributes
+    ----------
+    exit_code
+        What a process that ends so should return: 128 and the number of the signal.
+
+    Examples
+    --------
+    >>> Stopped(signal.SIGTERM).exit_code
+    143
+    """
+
+    def __init__(self, number: int) -> None:
+        self.exit_code = 128 + number
+        super().__init__(signal.Signals(number).name)
+
 
 class Interrupts:
-    """Whether the user asked to stop, and whether that can wait for a checkpoint.
+    """Whether the user or the system asked to stop, and whether that can wait for a checkpoint.
 
     Parameters
     ----------
     on_request
-        Called when an interrupt is deferred, inside the signal handler.
+        Called when a signal is deferred, inside the signal handler.
 
     Attributes
     ----------
     deferrable
         Set by the run once the stage has shown that it makes checkpoints.
     requested
-        Set by the first Ctrl-C that was deferred; the next one stops at once.
+        The first signal that was deferred; the next one stops at once.
     """
 
     def __init__(self, on_request: Callable[[], None] = lambda: None) -> None:
         self._on_request = on_request
+        self._last = float("-inf")
         self.deferrable = False
-        self.requested = False
+        self.requested: int | None = None
 
     def handle(self, number: int, frame: FrameType | None) -> None:
         """Signal handler.
 
         Raises
         ------
-        KeyboardInterrupt
-            Unless the interrupt can wait and is the first one.
+        Stopped
+            Unless the signal can wait and is the first one.
         """
+        now = time.monotonic()
+        if number != signal.SIGINT and now - self._last < REPEATED:
+            return
+        self._last = now
         if not self.deferrable or self.requested:
-            raise KeyboardInterrupt
-        self.requested = True
-        with contextlib.suppress(RuntimeError):  # it came while a stream was being written to
+            raise Stopped(number)
+        self.requested = number
+        # It may come while a stream is being written to, or because the terminal is gone.
+        with contextlib.suppress(RuntimeError, OSError):
             self._on_request()
+
+    def check(self) -> None:
+        """Stop now if a signal was deferred.
+
+        Raises
+        ------
+        Stopped
+            If so.
+        """
+        if self.requested:
+            raise Stopped(self.requested)
 
 
 @contextlib.contextmanager
 def deferred_interrupts(on_request: Callable[[], None] = lambda: None) -> Iterator[Interrupts]:
-    """Defer Ctrl-C in the block; outside the main thread, where none arrives, do nothing."""
+    """Handle signals in the block; outside the main thread, where none arrives, do nothing.
+
+    Those that the process ignores (as under ``nohup``) stay ignored.
+    """
     interrupts = Interrupts(on_request)
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
         return
-    before = signal.signal(signal.SIGINT, interrupts.handle)
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    handled = {n: handler for n, handler in before.items() if handler not in (signal.SIG_IGN, None)}
     try:
+        for number in handled:
+            signal.signal(number, interrupts.handle)
         yield interrupts
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in handled.items():
+            signal.signal(number, handler)

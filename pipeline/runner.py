@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.events import Listener, StageHit, StageWaiting, StageWarned, ignore
+from pipeline.interrupts import deferred_interrupts
 from pipeline.keys import Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, in_order
@@ -102,19 +103,24 @@ def run(
         If the store may not be written to from the beginning.
     StoreError
         If the store cannot be read or written.
+    Stopped
+        If a signal asked to stop: Ctrl-C, SIGTERM or SIGHUP.
     """
     manifests: dict[int, Manifest] = {}
     outcomes: dict[int, Outcome] = {}
     # Of all nodes now: a file saved while the first stage computes must not enter a later key.
     codes = {id(node): fingerprint_of(node) for _, node in in_order(nodes)}
-    for name, node in in_order(nodes):
-        inputs = input_entries(node.inputs, manifests)
-        stated = statement_of(node, codes[id(node)], inputs)
-        manifest, hit = _obtain(name, node, stated, inputs, store, listen, checkpoint_interval)
-        manifests[id(node)] = manifest
-        outcomes[id(node)] = Outcome(
-            name, node.stage.name, manifest.key, hit, manifest, store, node.record
-        )
+    with (
+        deferred_interrupts()
+    ):  # not deferred here, but it ends with locks and folders cleared away
+        for name, node in in_order(nodes):
+            inputs = input_entries(node.inputs, manifests)
+            stated = statement_of(node, codes[id(node)], inputs)
+            manifest, hit = _obtain(name, node, stated, inputs, store, listen, checkpoint_interval)
+            manifests[id(node)] = manifest
+            outcomes[id(node)] = Outcome(
+                name, node.stage.name, manifest.key, hit, manifest, store, node.record
+            )
     return {name: outcomes[id(node)] for name, node in nodes.items()}
 
 

@@ -128,15 +128,14 @@ class StoreRun:
 
         Raises
         ------
-        KeyboardInterrupt
-            After saving, if Ctrl-C came since the last call.
+        Stopped
+            After saving, if a signal to stop came since the last call.
         """
         now = time.perf_counter()
         if self.interrupts.requested or now - self._saved_at >= self._interval:
             self._save({name: np.asarray(value) for name, value in state().items()})
             self._saved_at = time.perf_counter()
-        if self.interrupts.requested:
-            raise KeyboardInterrupt
+        self.interrupts.check()
         self.interrupts.deferrable = True
 
     def progress(self, done: int, total: int) -> None:
@@ -165,7 +164,11 @@ class StoreRun:
 
     def emit(self, event: Event) -> None:
         """Tell the listener."""
-        self._listen(event)
+        try:
+            self._listen(event)
+        except OSError:
+            if not self.interrupts.requested:
+                raise  # otherwise the terminal may be gone, and the work is still to be saved
 
     def _save(self, state: Mapping[str, NDArray[Any]]) -> None:
         check_loaded(self.stage, self.code)  # the checkpoint is one of this code

@@ -17,6 +17,7 @@ from pipeline.events import (
     Event,
     StageFinished,
     StageHit,
+    StageProgress,
     StageStarted,
     StageStopping,
     StageWaiting,
@@ -169,30 +170,87 @@ def test_a_killed_holder_does_not_block_the_one_that_waits(
     assert_same_bytes(store, unbroken)
 
 
-def test_an_interrupted_run_saves_where_it_is_and_resumes_there(
-    store: LocalStore, unbroken: LocalStore, start: Start
+ALL = pytest.mark.parametrize("number", interrupts.SIGNALS)
+
+
+@ALL
+def test_a_run_that_is_asked_to_stop_saves_where_it_is_and_resumes_there(
+    number: signal.Signals, store: LocalStore, unbroken: LocalStore, start: Start
 ) -> None:
-    # No checkpoint is due for an hour; Ctrl-C makes one.
+    # No checkpoint is due for an hour; the signal makes one.
     process = start(slow(store).replace("checkpoint_interval=0", "checkpoint_interval=3600"))
     read_until(process, "70")
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     out, err = process.communicate(timeout=60)
     assert "StageStopping" in out
-    assert "KeyboardInterrupt" in err
+    assert err.splitlines()[-1].endswith(f"Stopped: {number.name}")
     assert (resumed_frames(store) or 0) >= 70
     assert_same_bytes(store, unbroken)
 
 
-def test_an_interrupt_is_deferred_only_where_checkpoints_are_made() -> None:
+@ALL
+def test_a_signal_is_deferred_only_where_checkpoints_are_made(
+    number: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(interrupts, "REPEATED", 0.0)
+    before = [signal.getsignal(each) for each in interrupts.SIGNALS]
     with interrupts.deferred_interrupts() as asked:
-        with pytest.raises(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
+        with pytest.raises(interrupts.Stopped) as caught:
+            signal.raise_signal(number)
+        assert caught.value.exit_code == 128 + number
         asked.deferrable = True
-        signal.raise_signal(signal.SIGINT)
-        assert asked.requested
-        with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(number)
+        assert asked.requested == number
+        with pytest.raises(interrupts.Stopped):
+            signal.raise_signal(number)
+    assert [signal.getsignal(each) for each in interrupts.SIGNALS] == before
+
+
+def test_a_signal_that_is_sent_twice_over_counts_once_and_ctrl_c_each_time() -> None:
+    with interrupts.deferred_interrupts() as asked:
+        asked.deferrable = True
+        for _ in range(3):
+            signal.raise_signal(signal.SIGTERM)
+        assert asked.requested == signal.SIGTERM
+        with pytest.raises(interrupts.Stopped, match="SIGINT"):
             signal.raise_signal(signal.SIGINT)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_signal_that_the_process_ignores_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with interrupts.deferred_interrupts() as asked:
+            asked.deferrable = True
+            signal.raise_signal(signal.SIGHUP)
+            assert asked.requested is None
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_work_is_saved_though_the_terminal_is_gone(store: LocalStore) -> None:
+    def gone(event: Event) -> None:
+        if isinstance(event, StageProgress | StageStopping):
+            signal.raise_signal(signal.SIGHUP)
+            raise OSError(5, "Input/output error")
+
+    with pytest.raises(interrupts.Stopped, match="SIGHUP"):
+        run(plan(), store, listen=gone)
+    assert resumed_frames(store) == 2
+
+
+@stage
+def terminated(config: toy.MeshConfig) -> toy.Label:
+    signal.raise_signal(signal.SIGTERM)
+    return toy.Label("never")
+
+
+def test_a_signal_where_nothing_can_be_saved_leaves_nothing(store: LocalStore) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(interrupts.Stopped, match="SIGTERM"):
+        run({"x": terminated(toy.MeshConfig())}, store)
+    assert not any((store.path / "tmp").iterdir())
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 @stage
