@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.annotations import field_hints
+from pipeline.codecs.tree import as_stored
 from pipeline.records import field_metadata
 
 R = TypeVar("R")
@@ -62,7 +63,7 @@ class FrameShapes(Generic[R]):
                     f"frame {done} of {name!r} has shape {array.shape}, announced "
                     f"{tuple(self.shapes[name])}"
                 )
-            frame[name] = array.astype(self.dtype(name, array), copy=False)
+            frame[name] = as_stored(array, self.dtype(name, array))
         return frame
 
     def dtype(self, name: str, array: NDArray[Any] | None = None) -> np.dtype[Any]:

@@ -99,13 +99,22 @@ def read(record: type[R], reader: GroupReader) -> R:
     return record(**{name: _read(kept[name], hints[name], reader) for name in hints})
 
 
+def as_stored(array: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:
+    """An array in its stored type; what is too large for that becomes infinite without a warning.
+
+    Only a stage that diverges gets there, and it tells of that itself.
+    """
+    with np.errstate(over="ignore"):
+        return array.astype(dtype, copy=False)
+
+
 def checked_array(
     value: Any, name: str, extra: Mapping[str, Any], owner: str
 ) -> tuple[NDArray[Any], str, tuple[str, ...]]:
     """Array of the stored type, with its unit and axes."""
     array = np.ascontiguousarray(value) if np.ndim(value) else np.asarray(value)
     if extra.get("stored"):
-        array = array.astype(extra["stored"], copy=False)
+        array = as_stored(array, np.dtype(extra["stored"]))
     if array.dtype.kind not in "biufc":
         raise TypeError(f"{owner}.{name} holds {array.dtype} values, which cannot be stored")
     axes = tuple(extra.get("axes", ()))

@@ -99,6 +99,15 @@ def test_a_record_comes_back_as_it_was(record: type[Any], tmp_path: Path) -> Non
     assert_same(found, record(**stored))
 
 
+@pytest.mark.parametrize("record", [Table, LazyTable])
+@pytest.mark.filterwarnings("error")
+def test_what_is_too_large_for_the_stored_type_is_kept_as_infinite(
+    record: type[Any], tmp_path: Path
+) -> None:
+    save(tmp_path, record(**{**values(), "thin": np.array([-1e300, 1.0])}))
+    assert load(tmp_path, record).thin[...].tolist() == [-np.inf, 1.0]
+
+
 def test_fields_kept_as_zarr_are_read_lazily(tmp_path: Path) -> None:
     save(tmp_path, LazyTable(**values()))
     points = load(tmp_path, LazyTable).points

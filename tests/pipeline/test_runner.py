@@ -84,6 +84,16 @@ def test_memory_holds_one_chunk_however_long_the_history(store: LocalStore) -> N
     assert {len(rows) for rows in history.saved().buffers.values()} == {200 % 64}
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_frame_too_large_for_its_stored_type_becomes_infinite_without_a_warning() -> None:
+    from pipeline.frames import FrameShapes
+
+    frames = FrameShapes(toy.Wave, 1, {"potential": (2,), "energy": ()})
+    frame = frames.checked({"potential": [1e300, 1.0], "energy": 1e300}, 0)
+    assert frame["potential"].tolist() == [np.inf, 1.0]
+    assert frame["energy"] == 1e300
+
+
 def test_a_part_can_be_loaded_alone(store: LocalStore) -> None:
     outcome = run({"film": toy.mesh(toy.MeshConfig(label="x"))}, store)["film"]
     assert outcome.load("label") == toy.Label("x")
