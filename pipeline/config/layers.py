@@ -12,7 +12,7 @@ from pipeline.errors import InputError
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Tables of a TOML file.
+    """Tables of a TOML file, which may begin with a byte-order mark, as some editors write it.
 
     Raises
     ------
@@ -20,7 +20,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         If the file cannot be read or is malformed; names file and line.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not valid TOML: {error}") from error
     except UnicodeDecodeError as error:

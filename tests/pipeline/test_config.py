@@ -226,6 +226,11 @@ def test_a_toml_file_is_read(tmp_path: Path) -> None:
     assert read_toml(tmp_path / "a.toml") == {"film": {"length": "18 µm"}}
 
 
+def test_a_toml_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("[film]\nlength = 18.0\n", encoding="utf-8-sig")
+    assert read_toml(tmp_path / "a.toml") == {"film": {"length": 18.0}}
+
+
 @pytest.mark.parametrize(
     ("contents", "expected"),
     [
