@@ -13,6 +13,9 @@ Where things are:
 - ``config``: tables, overrides and units to one validated configuration
 - ``events``, ``errors``, ``provenance``, ``memory``, ``testing``
 
+After editing code, start a new process (in a notebook: restart the kernel). A stage whose modules were
+edited after this process had loaded them is refused, since its result would get the key of other code.
+
 Only running a stage or loading a result imports numpy, HDF5 and zarr. Importing the engine begins to
 note the state of the source files of modules loaded from then on (``loaded``).
 """

@@ -110,9 +110,8 @@ def run(
     outcomes: dict[int, Outcome] = {}
     # Of all nodes now: a file saved while the first stage computes must not enter a later key.
     codes = {id(node): fingerprint_of(node) for _, node in in_order(nodes)}
-    with (
-        deferred_interrupts()
-    ):  # not deferred here, but it ends with locks and folders cleared away
+    # Outside a stage nothing is deferred, but a signal still leaves no folders behind.
+    with deferred_interrupts():
         for name, node in in_order(nodes):
             inputs = input_entries(node.inputs, manifests)
             stated = statement_of(node, codes[id(node)], inputs)
