@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.progress import duration, size, watching
+from workflows.progress import duration, on_terminal, size, watching
 from workflows.registry import ENTRIES
 from workflows.request import Request, open_store, output_folder
-from workflows.tables import aligned, number, parameter
+from workflows.tables import aligned, fitted, number, parameter
 
 if TYPE_CHECKING:
     from pipeline.plan import Verdict
@@ -115,7 +115,8 @@ def show_parameters(name: str, config: Path | None, overrides: Sequence[str]) ->
         for p in describe(request.config)
     ]
     print(request.workflow.title)
-    for line in aligned(rows):
+    lines = fitted(rows, shutil.get_terminal_size().columns) if on_terminal() else aligned(rows)
+    for line in lines:
         print(line)
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pipeline.events import (
     Event,
     Listener,
+    StageFailed,
     StageFinished,
     StageHit,
     StageProgress,
@@ -21,11 +22,15 @@ from pipeline.events import (
 )
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
+    from rich.progress import Progress, ProgressColumn, TaskID
 
 SECONDS_BETWEEN_LINES = 10.0
 SHARE_BETWEEN_LINES = 0.02
 """Plain lines come at most every ten seconds, and at most fifty times per stage."""
+
+WIDTH_FOR_BOTH_TIMES = 40
+WIDTH_FOR_A_BAR = 54
+"""Columns of a terminal; the longest name has 17 characters, a time up to 8, a percentage 4."""
 
 
 @contextmanager
@@ -33,11 +38,16 @@ def watching(*, quiet: bool) -> Iterator[Listener]:
     """Listener that suits where the output goes; when quiet, only warnings are told."""
     if quiet:
         yield _only_warnings
-    elif sys.stdout.isatty():
-        with _bars() as listen:
-            yield listen
+    elif on_terminal():
+        with _live_display() as progress:
+            yield Bars(progress)
     else:
         yield PlainLines(_say)
+
+
+def on_terminal() -> bool:
+    """Whether someone may be watching."""
+    return sys.stdout is not None and sys.stdout.isatty()
 
 
 class PlainLines:
@@ -144,42 +154,57 @@ def _only_warnings(event: Event) -> None:
         print(told(event), file=sys.stderr, flush=True)
 
 
-@contextmanager
-def _bars() -> Iterator[Listener]:
+def _live_display() -> Progress:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console()
+    return Progress(*columns(console.width), console=console, transient=True)
+
+
+def columns(width: int) -> list[ProgressColumn]:
+    """What is told of a stage in a terminal so wide; times would be cut before the bar shrinks."""
     from rich.progress import (
         BarColumn,
-        Progress,
         TaskProgressColumn,
         TextColumn,
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
 
-    columns = (
-        TextColumn("{task.description:<18}"),
-        BarColumn(bar_width=None),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, transient=True) as progress:
-        yield _Bars(progress)
+    chosen: list[ProgressColumn] = [TextColumn("{task.description}"), TaskProgressColumn()]
+    if width >= WIDTH_FOR_BOTH_TIMES:
+        chosen.append(TimeElapsedColumn())
+    if width >= WIDTH_FOR_A_BAR:
+        chosen.insert(1, BarColumn(bar_width=None))
+    return [*chosen, TimeRemainingColumn()]
 
 
-class _Bars:
-    """One bar per stage that reports progress; other events are lines above it."""
+class Bars:
+    """One bar per running stage; other events are lines above it.
+
+    Until a stage reports its first step, which may come after seconds of compiling, the bar moves
+    to and fro.
+
+    Parameters
+    ----------
+    progress
+        Where the bars are.
+    """
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
         self._tasks: dict[str, TaskID] = {}
 
     def __call__(self, event: Event) -> None:
+        """Tell one event."""
+        if isinstance(event, StageStarted):
+            self._tasks[event.node] = self._progress.add_task(event.node, total=None)
         if isinstance(event, StageProgress):
             if event.node not in self._tasks:
-                self._tasks[event.node] = self._progress.add_task(event.node, total=event.total)
-            self._progress.update(self._tasks[event.node], completed=event.done)
-            return
-        if isinstance(event, StageFinished) and event.node in self._tasks:
+                self._tasks[event.node] = self._progress.add_task(event.node)
+            self._progress.update(self._tasks[event.node], total=event.total, completed=event.done)
+        if isinstance(event, StageFinished | StageFailed) and event.node in self._tasks:
             self._progress.remove_task(self._tasks.pop(event.node))
         if line := told(event):
             self._progress.console.print(line, highlight=False, markup=False)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any
+
+READABLE = 24
+"""Characters that a column of prose needs at least."""
 
 
 def number(value: Any) -> str:
@@ -65,3 +69,39 @@ def aligned(rows: Sequence[Sequence[str]], indent: str = "") -> Iterator[str]:
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
         yield (indent + "  ".join(cells)).rstrip()
+
+
+def fitted(rows: Sequence[Sequence[str]], width: int) -> Iterator[str]:
+    """The same lines for a terminal so wide: the last column is wrapped.
+
+    Where it would have no room, each row becomes a paragraph.
+
+    Examples
+    --------
+    >>> rows = [("geometry.length", "3.5", "mm", "length of the film along X")]
+    >>> for line in fitted(rows, 50): print(line)
+    geometry.length  3.5  mm  length of the film along
+                              X
+    >>> for line in fitted(rows, 29): print(line)
+    geometry.length  3.5  mm
+        length of the film along
+        X
+    """
+    indent, gap = " " * 4, "  "
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    start = sum(width + len(gap) for width in widths[:-1])
+    for *cells, prose in rows:
+        if width - start >= READABLE:
+            first, *more = _wrap(prose, width - start) or [""]
+            padded = (cell.ljust(width) for cell, width in zip(cells, widths, strict=False))
+            yield gap.join([*padded, first]).rstrip()
+            yield from (" " * start + line for line in more)
+        else:
+            short = gap.join(cell for cell in cells if cell)
+            first, *more = [*_wrap(short, width - len(indent)), *_wrap(prose, width - len(indent))]
+            yield first
+            yield from (indent + line for line in more)
+
+
+def _wrap(text: str, width: int) -> list[str]:
+    return textwrap.wrap(text, width, break_on_hyphens=False)

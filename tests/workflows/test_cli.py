@@ -27,6 +27,18 @@ def test_every_parameter_is_shown_with_unit_and_source() -> None:
     assert "[1.75, 1]" in lines["postprocessing.probes.A"]
 
 
+@pytest.mark.parametrize("width", [50, 80, 130])
+def test_parameters_fit_the_terminal(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = invoke("show", "planar-waves").output
+    monkeypatch.setattr("workflows.commands.on_terminal", lambda: True)
+    monkeypatch.setenv("COLUMNS", str(width))
+    fitted = invoke("show", "planar-waves").output
+    title, *lines = fitted.splitlines()
+    assert title == plain.splitlines()[0]
+    assert max(len(line) for line in lines) <= width
+    assert sorted(fitted.split()) == sorted(plain.split())  # nothing is lost
+
+
 def test_a_unit_may_be_given_with_a_parameter() -> None:
     result = invoke("show", "planar-waves", "--set", 'geometry.substrate_thickness="20 um"')
     assert " 0.02 " in result.output

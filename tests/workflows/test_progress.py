@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import io
+
 import pytest
+from rich.console import Console
+from rich.progress import Progress
 
 from pipeline.events import (
+    Event,
+    StageFailed,
     StageFinished,
     StageHit,
     StageProgress,
     StageStarted,
     StageWarned,
 )
-from workflows.progress import PlainLines, watching
+from workflows.progress import Bars, PlainLines, columns, watching
 
 
 class Clock:
@@ -85,3 +91,38 @@ def test_quiet_tells_warnings_only(capsys: pytest.CaptureFixture[str]) -> None:
         listen(StageWarned("m", "m", "the step was halved"))
     out, err = capsys.readouterr()
     assert (out, err) == ("", "m: warning: the step was halved\n")
+
+
+def shown(width: int, *events: Event) -> str:
+    """What a terminal so wide shows after these events."""
+    console = Console(width=width, file=io.StringIO(), force_terminal=True, color_system=None)
+    progress = Progress(*columns(width), console=console)
+    listen = Bars(progress)
+    for event in events:
+        listen(event)
+    with console.capture() as captured:
+        console.print(progress.get_renderable())
+    return captured.get().rstrip("\n")
+
+
+STARTED = StageStarted("electrophysiology", "electrophysiology", "k")
+
+
+@pytest.mark.parametrize("width", [30, 40, 54, 100])
+def test_times_are_never_cut(width: int) -> None:
+    line = shown(width, STARTED, StageProgress("electrophysiology", "e", 5, 100, 9.0))
+    assert line.startswith("electrophysiology ")
+    assert "5%" in line
+    assert line.endswith("-:--:--")
+    assert ("0:00:00 " in line) == (width >= 40)
+    assert len(line.splitlines()) == 1
+    assert len(line) <= width
+
+
+def test_a_stage_is_seen_before_its_first_step() -> None:
+    assert "electrophysiology" in shown(80, STARTED)
+    assert "━" in shown(80, STARTED)
+    finished = StageFinished("electrophysiology", "electrophysiology", "k", 1.0, 1)
+    failed = StageFailed("electrophysiology", "electrophysiology", "no convergence")
+    assert shown(80, STARTED, finished) == ""
+    assert shown(80, STARTED, failed) == ""
