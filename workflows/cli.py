@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import traceback
@@ -28,13 +29,14 @@ class Commands(typer.core.TyperGroup):
         return super().parse_args(ctx, flags + rest)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command: 2 for bad input, 1 for a failed stage, 130 after Ctrl-C."""
+        """Run the command: 2 for bad input, 1 for a failed stage, 130, 143, 129 when stopped."""
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             say = "stopped; finished stages are kept, and the same command goes on from there"
-            typer.echo(say, err=True)
-            raise typer.Exit(130) from None
+            with contextlib.suppress(OSError):  # the terminal may be gone
+                typer.echo(say, err=True)
+            raise typer.Exit(getattr(stop, "exit_code", 130)) from None
         except (typer.Exit, typer.Abort, BrokenPipeError):
             raise
         except Exception as error:

@@ -106,7 +106,7 @@ def told(event: Event) -> str:
     if isinstance(event, StageWarned):
         return f"{event.node}: warning: {event.message}"
     if isinstance(event, StageStopping):
-        return f"{event.node}: stopping at the next checkpoint (Ctrl-C again stops at once)"
+        return f"{event.node}: stopping at the next checkpoint (a second signal stops at once)"
     if isinstance(event, StageFinished):
         return f"{event.node}: done in {duration(event.seconds)}, {size(event.size)}"
     return ""
