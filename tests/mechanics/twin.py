@@ -81,8 +81,8 @@ def _moment_part(current: SurfaceFrame, weights: Array, m: Array, h: Array, firs
 
 
 def _values(patch: Patch, grid: object, order: tuple[int, int]) -> Array:
-    n1 = patch.first.evaluate(grid.theta1, order[0])  # type: ignore[attr-defined]
-    n2 = patch.second.evaluate(grid.theta2, order[1])  # type: ignore[attr-defined]
+    n1 = patch.first.evaluate(grid.theta1, order[0])
+    n2 = patch.second.evaluate(grid.theta2, order[1])
     return np.einsum("ai,bj->abij", n1, n2).reshape(n1.shape[0] * n2.shape[0], -1)
 
 
@@ -94,7 +94,7 @@ def _point(
     With X = C^-1 and j = det C/det G: dI1/dC = G^-1 - X/j, dI2/dC = G^-1/j + (j - t/j) X and
     dI4/dC = f0 (x) f0, from dj/dC = j X and dX_abcd = -(X_ac X_bd + X_ad X_bc)/2.
     """
-    layer, material = points.layer, points.material  # type: ignore[attr-defined]
+    layer, material = points.layer, points.material
     law, p = law_of(type(material)), material.constants()
     g = reference.tangents + z * reference.normal_derivatives
     metric = np.einsum("pax,pbx->pab", g, g)

@@ -34,7 +34,7 @@ def root_of(value: float, power: int = 2) -> object:
 
 
 def test_convergence_is_quadratic() -> None:
-    solution = newton(root_of(2.0), np.array([1.5]), CONTROLS)  # type: ignore[arg-type]
+    solution = newton(root_of(2.0), np.array([1.5]), CONTROLS)
     # x^2 = 2 to the last bit or so: the correction after a 1e-7 one is far below round-off
     assert solution.x[0] == pytest.approx(np.sqrt(2.0), rel=1e-15)
     steps = [i.displacement for i in solution.history]
