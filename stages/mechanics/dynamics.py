@@ -151,8 +151,8 @@ class TimeLoop:
     def _guesses(self, motion: Motion, step: TimeStep) -> Iterator[Array]:
         """Displacements to start from.
 
-        To go on at the old velocity takes 3 to 5 iterations. A film that turns fast is stretched by
-        that; to stay where the film was takes 4 to 7, and rarely fails.
+        To go on at the old velocity takes 3 to 5 iterations. A film that stops or turns within one step
+        overshoots and is stretched by that; to stay where it was takes 4 to 7, and rarely fails.
         """
         onward = motion.displacement + step.length * motion.velocity
         yield onward
