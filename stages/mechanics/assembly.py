@@ -36,7 +36,7 @@ def assemble_force(
     for g1 in range(basis.values1.shape[0]):
         for g2 in range(grid2):
             p = g1 * grid2 + g2
-            shape_derivatives(basis.values1[g1], basis.values2[g2], shapes)
+            shape_derivatives(basis, g1, g2, shapes)
             n, m, w = resultants.force[p], resultants.moment[p], weights[p]
             gamma, normal, a = frames.christoffel[p], frames.normal[p], frames.tangents[p]
             c1 = m[0] * gamma[0, 0] + m[1] * gamma[0, 1] + 2.0 * m[2] * gamma[0, 2]
@@ -182,7 +182,7 @@ def assemble_stiffness(
                 for g2 in range(e2 * q, (e2 + 1) * q):
                     p = g1 * grid2 + g2
                     w, n = weights[p], resultants.force[p]
-                    shape_derivatives(basis.values1[g1], basis.values2[g2], shapes)
+                    shape_derivatives(basis, g1, g2, shapes)
                     _rows(shapes, w, p, frames, resultants, left, right)
                     for i in range(local):
                         n1 = w * (n[0] * shapes[0, i] + n[2] * shapes[1, i])
@@ -218,7 +218,7 @@ def assemble_mass(basis: Basis, weights: Any, density: float, bands: Any) -> Non
     for g1 in range(basis.values1.shape[0]):
         for g2 in range(grid2):
             w = density * weights[g1 * grid2 + g2]
-            shape_values(basis.values1[g1], basis.values2[g2], shape)
+            shape_values(basis, g1, g2, shape)
             corner = basis.first1[g1 // q] * basis.columns + basis.first2[g2 // q]
             for i in range(local):
                 row = 3 * (corner + (i // columns) * basis.columns + i % columns)

@@ -58,7 +58,7 @@ def compute_frames(basis: Basis, position: Any, frames: Frames) -> None:
     for g1 in range(basis.values1.shape[0]):
         for g2 in range(grid2):
             p = g1 * grid2 + g2
-            shape_derivatives(basis.values1[g1], basis.values2[g2], shapes)
+            shape_derivatives(basis, g1, g2, shapes)
             r[:] = 0.0
             for a in range(rows):
                 for b in range(columns):

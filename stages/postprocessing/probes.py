@@ -30,13 +30,13 @@ def probe_parameters(film: Patch, points: Array) -> Array:
     ValueError
         If a point lies outside the film.
     """
-    shadow = Patch(film.first, film.second, film.control_points * np.array([1.0, 1.0, 0.0]))
+    shadow = film.with_net(film.control_points * np.array([1.0, 1.0, 0.0]))
     return locate(shadow, np.column_stack((points, np.zeros(len(points)))))
 
 
 def control_weights(patch: Patch, theta: Array) -> Array:
     """Basis functions at the probes: value = weights @ control values; ``(probes, m1 * m2)``."""
-    return _tensor(patch.first.evaluate(theta[:, 0]), patch.second.evaluate(theta[:, 1]))
+    return patch.functions(theta)
 
 
 def collocation_weights(patch: Patch, theta: Array) -> Array:

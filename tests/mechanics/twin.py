@@ -8,7 +8,7 @@ from stages.mechanics.materials.base import law_of
 from stages.mechanics.shell import Shell
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
-from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.quadrature import QuadratureGrid, quadrature_grid
 from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
 
 ORDERS = {(1,): (1, 0), (2,): (0, 1), (1, 1): (2, 0), (2, 2): (0, 2), (1, 2): (1, 1)}
@@ -20,7 +20,7 @@ def respond(body: Shell, displacement: Array, activation: Array) -> tuple[Array,
     moved = patch.control_points + displacement.reshape(patch.control_points.shape)
     grid = quadrature_grid(patch, body.basis.points)
     reference = frame_on_grid(patch, grid.theta1, grid.theta2)
-    current = frame_on_grid(Patch(patch.first, patch.second, moved), grid.theta1, grid.theta2)
+    current = frame_on_grid(patch.with_net(moved), grid.theta1, grid.theta2)
     weights = (grid.weights1[:, None] * grid.weights2).ravel() * reference.area
 
     eps = 0.5 * (current.metric_cov - reference.metric_cov)
@@ -80,10 +80,9 @@ def _moment_part(current: SurfaceFrame, weights: Array, m: Array, h: Array, firs
     return k
 
 
-def _values(patch: Patch, grid: object, order: tuple[int, int]) -> Array:
-    n1 = patch.first.evaluate(grid.theta1, order[0])
-    n2 = patch.second.evaluate(grid.theta2, order[1])
-    return np.einsum("ai,bj->abij", n1, n2).reshape(n1.shape[0] * n2.shape[0], -1)
+def _values(patch: Patch, grid: QuadratureGrid, order: tuple[int, int]) -> Array:
+    pairs = np.stack(np.meshgrid(grid.theta1, grid.theta2, indexing="ij"), axis=-1)
+    return patch.functions(pairs.reshape(-1, 2), order)
 
 
 def _point(
