@@ -73,6 +73,15 @@ class StageWarned:
 
 
 @dataclass(frozen=True)
+class StageTold:
+    """A line about what the stage does, for those who want to follow it closely; kept nowhere."""
+
+    node: str
+    stage: str
+    message: str
+
+
+@dataclass(frozen=True)
 class StageStopping:
     """An interrupt came; the stage stops at its next checkpoint (a second one stops it at once).
 
@@ -109,6 +118,7 @@ Event: TypeAlias = (
     | StageStarted
     | StageProgress
     | StageWarned
+    | StageTold
     | StageStopping
     | StageFinished
     | StageFailed

@@ -49,7 +49,7 @@ class MemoryRun:
 
     Attributes
     ----------
-    warnings, notes, steps
+    warnings, notes, steps, lines
         What the stage reported.
     """
 
@@ -57,6 +57,7 @@ class MemoryRun:
         self.warnings: list[str] = []
         self.notes: dict[str, Any] = {}
         self.steps: list[tuple[int, int]] = []
+        self.lines: list[str] = []
         self._stop_after = stop_after
         self._state: dict[str, NDArray[Any]] | None = None
         self._histories: dict[type, MemoryHistory[Any]] = {}
@@ -88,6 +89,10 @@ class MemoryRun:
     def warn(self, message: str) -> None:
         """Remember a warning."""
         self.warnings.append(message)
+
+    def tell(self, message: str) -> None:
+        """Remember a line."""
+        self.lines.append(message)
 
     def note(self, name: str, value: Any) -> None:
         """Remember a note."""

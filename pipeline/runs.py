@@ -86,6 +86,10 @@ class StageRun(Protocol):
         """Tell the user something that does not stop the stage."""
         ...
 
+    def tell(self, message: str) -> None:
+        """Tell what goes on, a line at a time, to a user who wants to see it; nothing is kept."""
+        ...
+
     def note(self, name: str, value: Any) -> None:
         """Keep a JSON value with the result, for instance an iteration count."""
         ...

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.checkpoints import Checkpoint, UnusableCheckpoint, chunk_files, keep_only
 from pipeline.codecs import part_path
 from pipeline.durable import storing, sync_tree
-from pipeline.events import Event, Listener, StageProgress, StageWarned
+from pipeline.events import Event, Listener, StageProgress, StageTold, StageWarned
 from pipeline.fingerprint import Fingerprint
 from pipeline.frames import FrameShapes
 from pipeline.freshness import check_loaded
@@ -151,6 +151,10 @@ class StoreRun:
         if message not in self.warnings:
             self.warnings.append(message)
         self.emit(StageWarned(self.node, self.stage, message))
+
+    def tell(self, message: str) -> None:
+        """Emit a line about what goes on."""
+        self.emit(StageTold(self.node, self.stage, message))
 
     def note(self, name: str, value: Any) -> None:
         """Keep a JSON value for the manifest.

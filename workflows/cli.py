@@ -16,10 +16,10 @@ import typer.core
 class Commands(typer.core.TyperGroup):
     """Commands whose errors end as one message and an exit code.
 
-    ``--quiet`` and ``--traceback`` may stand anywhere on the line.
+    ``--quiet``, ``--verbose`` and ``--traceback`` may stand anywhere on the line.
     """
 
-    anywhere = ("--quiet", "--traceback")
+    anywhere = ("--quiet", "--verbose", "--traceback")
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Move the flags that may stand anywhere to the front."""
@@ -124,12 +124,17 @@ StorePath = Annotated[
 def flags(
     ctx: typer.Context,
     quiet: Annotated[bool, typer.Option("--quiet", help="Tell warnings and errors only.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Tell every step of the solvers, too.")
+    ] = False,
     show_traceback: Annotated[
         bool, typer.Option("--traceback", help="Show where in the program an error arose.")
     ] = False,
 ) -> None:
     """Flags of all commands."""
-    ctx.obj = {"quiet": quiet}
+    if quiet and verbose:
+        raise typer.BadParameter("--quiet and --verbose contradict each other; give one of them")
+    ctx.obj = {"quiet": quiet, "verbose": verbose}
 
 
 @app.command()
@@ -144,7 +149,7 @@ def run(
     """Run an experiment: report, pictures, data."""
     from workflows.commands import run_workflow
 
-    run_workflow(workflow, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+    run_workflow(workflow, config, settings or [], out, store, **ctx.obj)
 
 
 def _stage_command(stage: str) -> None:
@@ -160,7 +165,7 @@ def _stage_command(stage: str) -> None:
     ) -> None:
         from workflows.commands import run_stage
 
-        run_stage(stage, workflow, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+        run_stage(stage, workflow, config, settings or [], out, store, **ctx.obj)
 
     app.command(stage, help=f"Compute {stage} and what it needs.")(command)
 
@@ -214,7 +219,7 @@ def reproduce(
     if figure is None:
         list_figures()
     else:
-        draw(figure, config, settings or [], out, store, quiet=ctx.obj["quiet"])
+        draw(figure, config, settings or [], out, store, **ctx.obj)
 
 
 @store_app.command("ls")

@@ -25,7 +25,8 @@ def run_workflow(
     out: Path | None,
     store: Path | None,
     *,
-    quiet: bool,
+    quiet: bool = False,
+    verbose: bool = False,
 ) -> None:
     """Compute all stages, write everything, and say where it is."""
     from pipeline.runner import run
@@ -35,7 +36,7 @@ def run_workflow(
     nodes = request.nodes()
     kept = open_store(store)
     folder = output_folder(out or Path("results") / name)
-    with watching(quiet=quiet) as listen:
+    with watching(quiet=quiet, verbose=verbose) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = write_outputs(request, outcomes, folder)
     if not quiet:
@@ -50,7 +51,8 @@ def run_stage(
     out: Path | None,
     store: Path | None,
     *,
-    quiet: bool,
+    quiet: bool = False,
+    verbose: bool = False,
 ) -> None:
     """Compute one stage and what it needs, and write the summary of that.
 
@@ -74,7 +76,7 @@ def run_stage(
             f"the output folder {folder} holds a whole run, and the summary of {stage} alone would "
             "replace its summary.json; choose another folder with --out"
         )
-    with watching(quiet=quiet) as listen:
+    with watching(quiet=quiet, verbose=verbose) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = {}
     if request.workflow.measured in outcomes:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pipeline.events import (
@@ -17,6 +17,7 @@ from pipeline.events import (
     StageProgress,
     StageStarted,
     StageStopping,
+    StageTold,
     StageWaiting,
     StageWarned,
 )
@@ -33,16 +34,20 @@ WIDTH_FOR_A_BAR = 54
 """Columns of a terminal; the longest name has 17 characters, a time up to 8, a percentage 4."""
 
 
-@contextmanager
-def watching(*, quiet: bool) -> Iterator[Listener]:
-    """Listener that suits where the output goes; when quiet, only warnings are told."""
+@contextlib.contextmanager
+def watching(*, quiet: bool = False, verbose: bool = False) -> Iterator[Listener]:
+    """Listener that suits where the output goes.
+
+    When quiet, only warnings are told; when verbose, also the single lines of the stages.
+    """
     if quiet:
         yield _only_warnings
-    elif on_terminal():
-        with _live_display() as progress:
-            yield Bars(progress)
-    else:
-        yield PlainLines(_say)
+        return
+    with contextlib.ExitStack() as stack:
+        listen: Listener = PlainLines(_say)
+        if on_terminal():
+            listen = Bars(stack.enter_context(_live_display()))
+        yield listen if verbose else _without_details(listen)
 
 
 def on_terminal() -> bool:
@@ -105,6 +110,8 @@ def told(event: Event) -> str:
         return f"{event.node}: being computed by {event.holder}; waiting for it"
     if isinstance(event, StageWarned):
         return f"{event.node}: warning: {event.message}"
+    if isinstance(event, StageTold):
+        return f"{event.node}: {event.message}"
     if isinstance(event, StageStopping):
         return f"{event.node}: stopping at the next checkpoint (a second signal stops at once)"
     if isinstance(event, StageFinished):
@@ -152,6 +159,14 @@ def _say(line: str) -> None:
 def _only_warnings(event: Event) -> None:
     if isinstance(event, StageWarned):
         print(told(event), file=sys.stderr, flush=True)
+
+
+def _without_details(listen: Listener) -> Listener:
+    def usual(event: Event) -> None:
+        if not isinstance(event, StageTold):
+            listen(event)
+
+    return usual
 
 
 def _live_display() -> Progress:

@@ -30,7 +30,8 @@ def draw(
     out: Path,
     store: Path | None,
     *,
-    quiet: bool,
+    quiet: bool = False,
+    verbose: bool = False,
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
@@ -46,7 +47,7 @@ def draw(
     for label, request in requests.items():
         if not quiet and len(requests) > 1:
             print(f"{label}:")
-        with watching(quiet=quiet) as listen:
+        with watching(quiet=quiet, verbose=verbose) as listen:
             experiments[label] = Experiment(_loader(run(request.nodes(), kept, listen=listen)))
     files = figure.draw(experiments, folder)
     if not quiet:

@@ -17,6 +17,7 @@ from pipeline.events import (
     StageHit,
     StageProgress,
     StageStarted,
+    StageTold,
     StageWarned,
 )
 from pipeline.manifest import hash_files
@@ -350,6 +351,7 @@ def test_a_frame_of_another_form_than_announced_is_refused(
 def chatty(config: toy.MeshConfig, *, run: StageRun) -> toy.Label:
     run.warn("thin film")
     run.warn("thin film")
+    run.tell("assembled")
     run.note("solver", {"iterations": np.int64(5), "residuals": np.array([1.0, 0.5])})
     return toy.Label("done")
 
@@ -360,7 +362,8 @@ def test_warnings_and_notes_are_kept_with_the_result(
     manifest = run({"x": chatty(toy.MeshConfig())}, store, listen=events.append)["x"].manifest
     assert manifest.warnings == ("thin film",)
     assert manifest.notes == {"solver": {"iterations": 5, "residuals": [1.0, 0.5]}}
-    assert [type(event) for event in events][1:3] == [StageWarned, StageWarned]
+    assert [type(event) for event in events][1:4] == [StageWarned, StageWarned, StageTold]
+    assert events[3] == StageTold("x", "chatty", "assembled")
     assert isinstance(events[-1], StageFinished)
     assert store.find(manifest.ref) == manifest
 

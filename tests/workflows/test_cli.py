@@ -137,3 +137,9 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(
     result = invoke("run", "planar-waves", "--out", tmp_path, "--store", tmp_path / "store")
     assert result.exit_code == 130
     assert "the same command goes on from there" in result.stderr
+
+
+def test_quiet_and_verbose_contradict_each_other() -> None:
+    result = invoke("list", "--quiet", "--verbose")
+    assert result.exit_code == 2
+    assert "contradict" in result.output

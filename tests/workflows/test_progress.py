@@ -15,6 +15,7 @@ from pipeline.events import (
     StageHit,
     StageProgress,
     StageStarted,
+    StageTold,
     StageWarned,
 )
 from workflows.progress import Bars, PlainLines, columns, watching
@@ -91,6 +92,15 @@ def test_quiet_tells_warnings_only(capsys: pytest.CaptureFixture[str]) -> None:
         listen(StageWarned("m", "m", "the step was halved"))
     out, err = capsys.readouterr()
     assert (out, err) == ("", "m: warning: the step was halved\n")
+
+
+def test_single_lines_of_a_stage_are_told_on_demand_only(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for flags in ({}, {"verbose": True}):
+        with watching(**flags) as listen:
+            listen(StageTold("m", "m", "step 3: 4 iterations"))
+    assert capsys.readouterr().out == "m: step 3: 4 iterations\n"
 
 
 def shown(width: int, *events: Event) -> str:
