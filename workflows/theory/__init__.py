@@ -1,0 +1,1 @@
+"""Closed forms that results are compared with; written apart from the solver, on NumPy and SciPy alone."""
