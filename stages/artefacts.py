@@ -36,12 +36,22 @@ class MidSurface:
 
 @dataclass(frozen=True)
 class Layer:
-    """One layer of the film: its thickness in mm, its fibres in degrees from X, active or not."""
+    """One layer of the film.
+
+    ``material`` is the name of its material in the mechanics; ``thickness`` is in mm, ``fibre_angle``
+    in degrees from X; ``activity`` is a factor on the activation, 0 for a passive layer.
+    """
 
     name: str
+    material: str
     thickness: float
     fibre_angle: float
-    active: bool
+    activity: float
+
+    @property
+    def active(self) -> bool:
+        """Whether the layer pulls at all."""
+        return self.activity != 0.0
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
-"""Configuration of the transfer of active stress to the shell."""
+"""Configuration of the active stress on the shell: taken over from the cells, or imposed."""
 
 from __future__ import annotations
 
 from stages.configuration import Section, quantity, setting
+from stages.time_laws.base import AnyTimeLaw
 
 
 class ActivationConfig(Section):
@@ -22,4 +23,21 @@ class TransferConfig(Section):
     scale: float = quantity("", "factor on the active stress", "this project", ge=0)
     duration: float = quantity("ms", "simulated time of the mechanics", "sec. 4.3", gt=0)
     n_steps: int = setting("time steps of the mechanics", "sec. 4.3", ge=1)
+    points: int = setting("in-plane Gauss points per element and direction", "sec. 3.1", ge=1)
+
+
+class ImposedActivationConfig(Section):
+    """Section ``activation`` of a workflow without cells: the same everywhere on the film."""
+
+    peak_stress: float = quantity(
+        "kPa", "size P of the imposed activation", "Table 2, eq. 96", ge=0
+    )
+    time_law: AnyTimeLaw = setting("course q(t) of the activation, by name", "eqs. 96, 103")
+
+
+class ImposedFieldConfig(ImposedActivationConfig):
+    """What the stage needs: the activation, the shell's time grid and its in-plane quadrature."""
+
+    duration: float = quantity("ms", "simulated time of the mechanics", "sec. 4.2", gt=0)
+    n_steps: int = setting("time steps of the mechanics", "sec. 4.2", ge=1)
     points: int = setting("in-plane Gauss points per element and direction", "sec. 3.1", ge=1)

@@ -1,9 +1,9 @@
-"""Stage `activation`: the cells' active stress, as the shell's quadrature points need it."""
+"""Stages `activation`, `imposed_activation`: active stress as the shell's points need it."""
 
 from __future__ import annotations
 
 from pipeline.nodes import StageRun, stage
-from stages.activation.config import TransferConfig
+from stages.activation.config import ImposedFieldConfig, TransferConfig
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface, StressSamples
 
 REMEDY = (
@@ -49,3 +49,20 @@ def activation(
         run.progress(samples.frames_done, wanted.size)
         run.checkpoint(dict)
     return samples.finish(time=wanted)
+
+
+@stage
+def imposed_activation(config: ImposedFieldConfig, mid_surface: MidSurface) -> StressSamples:
+    """Activation P q(t_i), uniform on the film, at t_i = i duration/n_steps (eqs. 96, 103).
+
+    What the muscle makes of it at its length is the tension law's, in the mechanics.
+    """
+    import numpy as np
+
+    from stages.numerics.quadrature import quadrature_grid
+
+    grid = quadrature_grid(mid_surface.patch, config.points)
+    time = np.linspace(0.0, config.duration, config.n_steps + 1)
+    course = config.peak_stress * np.array([config.time_law.at(float(t)) for t in time])
+    points = grid.theta1.size * grid.theta2.size
+    return StressSamples(time, np.repeat(course[:, None], points, axis=1))

@@ -17,8 +17,8 @@ def two_layers(film: FilmConfig) -> Laminate:
     """Passive substrate below, active layer above (eqs. 13-14)."""
     return Laminate(
         (
-            Layer("substrate", film.substrate_thickness, film.fibre_angle, active=False),
-            Layer("active", film.active_thickness, film.fibre_angle, active=True),
+            Layer("substrate", "substrate", film.substrate_thickness, film.fibre_angle, 0.0),
+            Layer("active", "active", film.active_thickness, film.fibre_angle, 1.0),
         )
     )
 

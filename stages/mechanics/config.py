@@ -9,8 +9,10 @@ from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, Section, quantity, setting
 from stages.mechanics.materials.base import Material
+from stages.mechanics.tension_laws.base import TensionLaw
 
 AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
+AnyTensionLaw = Annotated[TensionLaw, OneOf("stages.mechanics.tension_laws", TensionLaw)]
 
 
 class MechanicsConfig(Section):
@@ -35,6 +37,12 @@ class MechanicsConfig(Section):
     )
     substrate: AnyMaterial = setting("material of the layer `substrate`", "Table 1, eq. 94")
     active: AnyMaterial = setting("material of the layer `active`", "Table 1, eq. 95")
+    materials: dict[str, AnyMaterial] = setting(
+        "further materials, by the names that `geometry.layers` may give", default_factory=dict
+    )
+    tension_law: AnyTensionLaw = setting(
+        "from activation and fibre stretch to the active stress, by name", "eqs. 37, 96"
+    )
     plane_points: int | None = setting(
         "in-plane Gauss points per element and direction; none: degree + 1",
         "sec. 3.1",
@@ -61,6 +69,17 @@ class MechanicsConfig(Section):
     max_halvings: int = setting("how often a step that fails may be halved", ge=0, default=6)
 
     @model_validator(mode="after")
+    def _names_are_free(self) -> MechanicsConfig:
+        for name in ("substrate", "active"):
+            if name in self.materials:
+                raise PydanticCustomError(
+                    "materials",
+                    "materials.{name} is taken: give that material as mechanics.{name}",
+                    {"name": name},
+                )
+        return self
+
+    @model_validator(mode="after")
     def _enough_points(self) -> MechanicsConfig:
         """Fewer Gauss points than the degree leave motions without stiffness."""
         if self.points_per_element < self.degree:
@@ -71,6 +90,11 @@ class MechanicsConfig(Section):
                 {"points": self.plane_points, "degree": self.degree},
             )
         return self
+
+    @property
+    def all_materials(self) -> dict[str, Material]:
+        """Materials that a layer may name."""
+        return {"substrate": self.substrate, "active": self.active, **self.materials}
 
     @property
     def step(self) -> float:

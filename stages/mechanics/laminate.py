@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def points_through(
     laminate
         Layers from theta3 = -d/2 to d/2.
     materials
-        Material of each layer, by the layer's name.
+        Materials by the names that the layers give.
     reference
         Frames of the undeformed mid-surface.
     points
@@ -67,15 +68,17 @@ def points_through(
     for layer, bottom, top in zip(laminate.layers, faces[:-1], faces[1:], strict=True):
         if layer.thickness <= 0:
             raise ValueError(f"layer {layer.name!r} has thickness {layer.thickness:g} mm: not > 0")
-        if layer.name not in materials:
+        if layer.material not in materials:
+            near = get_close_matches(layer.material, materials, n=1, cutoff=0.3)
             raise ValueError(
-                f"no material for layer {layer.name!r}; there are materials for: "
+                f"layer {layer.name!r} is of material {layer.material!r}, which is not defined"
+                f"{f' (did you mean {near[0]!r}?)' if near else ''}; there are: "
                 f"{', '.join(sorted(materials)) or 'none'}"
             )
         depth, weights = gauss(points, bottom, top)
         fibre = fibre_direction(layer, reference)
         table = np.stack([_at_depth(reference, fibre, z) for z in depth], axis=1)
-        layers.append(LayerPoints(layer, materials[layer.name], depth, weights, table))
+        layers.append(LayerPoints(layer, materials[layer.material], depth, weights, table))
     return tuple(layers)
 
 

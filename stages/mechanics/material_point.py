@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from stages.mechanics.materials.base import Material, law_of
 from stages.mechanics.plane_stress import plane_gradient, plane_hessian
+from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.compiled import inlined
-
-Tension: TypeAlias = Callable[[float, float], tuple[float, float]]
-"""(activation, lambda_f) -> (sigma_a, d sigma_a/d lambda_f)."""
 
 
 class PlaneReference(NamedTuple):
@@ -45,10 +43,10 @@ class PlaneResponse(NamedTuple):
     c1212: float
 
 
-def compile_point(material: Material, tension: Tension) -> Callable[..., PlaneResponse]:
+def compile_point(material: Material, tension: TensionLaw) -> Callable[..., PlaneResponse]:
     """Compiled ``respond(e11, e22, e12, reference, activation, constants) -> PlaneResponse``.
 
-    With F^ab = f0^a f0^b, cofactor K^ab and X^ab = dj/dC_ab = G^ab + K^ab:
+    ``constants`` are those of the material and of the tension law (:func:`constants_of`). With F^ab = f0^a f0^b, cofactor K^ab and X^ab = dj/dC_ab = G^ab + K^ab:
 
         S^ab   = 2 ((w_t + w_j) G^ab + w_j K^ab + (w_q + sigma_a/(2 q)) F^ab)
         C^abcd = 4 (w_tt G G + w_tj (G X + X G) + ... + w_qq F F + w_j d2j/dC dC)
@@ -61,26 +59,36 @@ def compile_point(material: Material, tension: Tension) -> Callable[..., PlaneRe
     material
         Passive law of the layer.
     tension
-        Tension law, plain Python.
+        Tension law of the layer.
 
     References
     ----------
     Torre et al., eqs. 36-39, 51, 89-93; Kiendl et al. (2015), eqs. 47-49 for the static condensation.
     """
-    return _compile(type(material), tension)
+    return _compile(type(material), type(tension))
+
+
+def constants_of(material: Material, tension: TensionLaw) -> tuple[NamedTuple, NamedTuple]:
+    """Parameters of both laws as a compiled point reads them."""
+    return material.constants(), tension.constants()
 
 
 @functools.cache
-def _compile(material: type[Material], tension: Tension) -> Callable[..., PlaneResponse]:
-    """One kernel per law and process; layers of one law share it, whatever their parameters."""
+def _compile(material: type[Material], tension: type[TensionLaw]) -> Callable[..., PlaneResponse]:
+    """One kernel per pair of laws and process; layers share it, whatever their parameters."""
     law = law_of(material)
     energy, gradient, hessian = inlined(law.energy), inlined(law.gradient), inlined(law.hessian)
-    first, second, pull = inlined(plane_gradient), inlined(plane_hessian), inlined(tension)
+    first, second, pull = (
+        inlined(plane_gradient),
+        inlined(plane_hessian),
+        inlined(functions_of(tension).tension),
+    )
 
     @inlined
     def respond(
-        e11: float, e22: float, e12: float, ref: Any, activation: float, constants: Any
+        e11: float, e22: float, e12: float, ref: Any, activation: float, both: Any
     ) -> PlaneResponse:
+        constants, pulling = both
         g11, g22, g12, h, f11, f22, f12 = ref
         trace = 2.0 * (g11 * e11 + g22 * e22 + 2.0 * g12 * e12)
         t = 2.0 + trace
@@ -93,7 +101,7 @@ def _compile(material: type[Material], tension: Tension) -> Callable[..., PlaneR
         w_t, w_j, w_q = first(t, j, slopes[0], slopes[1], slopes[2])
         tt, tj, tq, jj, jq, qq = second(t, j, slopes, hessian(i1, i2, q, constants))
         stretch = q**0.5
-        sigma, sigma_slope = pull(activation, stretch)
+        sigma, sigma_slope = pull(activation, stretch, pulling)
 
         k11, k22, k12 = 2.0 * h * e22, 2.0 * h * e11, -2.0 * h * e12
         x11, x22, x12 = g11 + k11, g22 + k22, g12 + k12

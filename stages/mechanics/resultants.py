@@ -10,7 +10,8 @@ import numpy as np
 
 from stages.mechanics.kinematics import Frames
 from stages.mechanics.laminate import LayerPoints
-from stages.mechanics.material_point import Tension, compile_point
+from stages.mechanics.material_point import compile_point, constants_of
+from stages.mechanics.tension_laws.base import TensionLaw
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
 
@@ -43,7 +44,7 @@ class Resultants(NamedTuple):
         return cls(*(np.zeros((points, *shape)) for shape in shapes))
 
 
-def compile_layer(points: LayerPoints, tension: Tension) -> Callable[..., None]:
+def compile_layer(points: LayerPoints, tension: TensionLaw) -> Callable[..., None]:
     """``add(reference, current, activation, resultants)``: adds one layer to ``resultants``.
 
     Parameters
@@ -55,7 +56,7 @@ def compile_layer(points: LayerPoints, tension: Tension) -> Callable[..., None]:
     """
     add = _layer_kernel(compile_point(points.material, tension))
     arrays = points.depth, points.weights, points.reference
-    constants = points.material.constants()
+    constants = constants_of(points.material, tension)
 
     def add_layer(
         reference: Frames, current: Frames, activation: Array, resultants: Resultants

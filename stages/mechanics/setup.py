@@ -45,9 +45,10 @@ def shell_of(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Shell
     return build_shell(
         patch,
         laminate,
-        {"substrate": config.substrate, "active": config.active},
+        config.all_materials,
         plane_points=config.points_per_element,
         layer_points=config.layer_points,
+        tension=config.tension_law,
     )
 
 

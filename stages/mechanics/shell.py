@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.artefacts import Laminate
-from stages.mechanics.active_stress import prescribed
 from stages.mechanics.assembly import (
     assemble_force,
     assemble_mass,
@@ -18,12 +17,15 @@ from stages.mechanics.assembly import (
 from stages.mechanics.discretisation import Basis, basis_on_grid
 from stages.mechanics.kinematics import Frames, compute_frames
 from stages.mechanics.laminate import LayerPoints, points_through, surface_density
-from stages.mechanics.material_point import Tension
 from stages.mechanics.materials.base import Material
 from stages.mechanics.resultants import Resultants, compile_layer
+from stages.mechanics.tension_laws.base import TensionLaw
+from stages.mechanics.tension_laws.prescribed import Prescribed
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.sparse import SymmetricBand
+
+PRESCRIBED = Prescribed()
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ class Shell:
     """Gauss weights times the reference area element, mm^2, shape ``(point,)``."""
     reference: Frames
     layers: tuple[LayerPoints, ...]
+    tension: TensionLaw
     _add: tuple[Callable[..., None], ...]
 
     @property
@@ -84,18 +87,16 @@ class Shell:
         displacement
             Control displacements, mm, shape ``(dof,)``.
         activation
-            What the tension law turns into sigma_a, kPa, per in-plane quadrature point; acts in the
-            active layers. Shape ``(point,)``.
+            What the tension law turns into sigma_a, kPa, per in-plane quadrature point; each layer
+            takes it times its activity. Shape ``(point,)``.
         """
         position = self.patch.control_points.reshape(-1, 3) + displacement.reshape(-1, 3)
         frames = Frames.empty(self.points)
         compute_frames(self.basis, position, frames)
         resultants = Resultants.zeros(self.points)
         activation = np.ascontiguousarray(activation, dtype=float)
-        silent = np.zeros(self.points)
         for points, add in zip(self.layers, self._add, strict=True):
-            field = activation if points.layer.active else silent
-            add(self.reference, frames, field, resultants)
+            add(self.reference, frames, points.layer.activity * activation, resultants)
         force = np.zeros((self.patch.size, 3))
         assemble_force(self.basis, self.weights, frames, resultants, force)
         energy = float(self.weights @ resultants.energy)
@@ -127,7 +128,7 @@ def build_shell(
     *,
     plane_points: int | None = None,
     layer_points: int = 3,
-    tension: Tension = prescribed,
+    tension: TensionLaw = PRESCRIBED,
 ) -> Shell:
     """Shell over a mid-surface patch.
 
@@ -136,13 +137,13 @@ def build_shell(
     patch
         Undeformed mid-surface; C1 at least.
     laminate, materials
-        Layers, and a material for each layer's name.
+        Layers, and the materials that they name.
     plane_points
         In-plane Gauss points per element and direction; default: the higher degree plus one.
     layer_points
         Gauss points through each layer.
     tension
-        Tension law of the active layers.
+        Tension law of the active layers; a passive one has no active stress whatever the law.
 
     Raises
     ------
@@ -161,5 +162,7 @@ def build_shell(
     reference = Frames.empty(weights.size)
     compute_frames(basis, patch.control_points.reshape(-1, 3).copy(), reference)
     layers = points_through(laminate, materials, reference, layer_points)
-    adders = tuple(compile_layer(points, tension) for points in layers)
-    return Shell(patch, basis, weights * reference.area, reference, layers, adders)
+    adders = tuple(
+        compile_layer(points, tension if points.layer.active else PRESCRIBED) for points in layers
+    )
+    return Shell(patch, basis, weights * reference.area, reference, layers, tension, adders)

@@ -24,8 +24,8 @@ def two_layers(angle: float = 45.0, substrate: float = 0.018, active: float = 0.
     """The film of the paper."""
     return Laminate(
         (
-            Layer("substrate", substrate, angle, active=False),
-            Layer("active", active, angle, active=True),
+            Layer("substrate", "substrate", substrate, angle, 0.0),
+            Layer("active", "active", active, angle, 1.0),
         )
     )
 

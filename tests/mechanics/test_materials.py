@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from stages.mechanics.active_stress import prescribed
 from stages.mechanics.config import AnyMaterial
-from stages.mechanics.material_point import PlaneReference, compile_point
+from stages.mechanics.material_point import PlaneReference, compile_point, constants_of
 from stages.mechanics.materials.base import Material, law_of
 from stages.mechanics.plane_stress import plane_gradient, plane_hessian
-from tests.mechanics import materials
+from stages.mechanics.tension_laws.prescribed import Prescribed
+from tests.mechanics import materials, tensions
 from tests.mechanics.films import MUSCLE, PDMS
 from tests.mechanics.materials import example
 
+PRESCRIBED = Prescribed()
 
-def quadratic(activation: float, stretch: float) -> tuple[float, float]:
-    """A tension that depends on the stretch, to test its place in the tangent."""
-    return activation * (1.0 - (stretch - 1.1) ** 2), -2.0 * activation * (stretch - 1.1)
+
+def passive(material: Material) -> tuple[Any, ...]:
+    """What a compiled point takes as constants."""
+    return constants_of(material, PRESCRIBED)
 
 
 @pytest.fixture(params=[*materials.NAMES, "mixed"], scope="module")
@@ -52,7 +54,7 @@ HALF_SHEAR = np.array([1.0, 1.0, 0.5])
 """S^12 belongs to E_12 + E_21: a difference by E_12 alone sees it twice."""
 
 
-def differences(respond: Any, strain: Any, activation: float, material: Material) -> np.ndarray:
+def differences(respond: Any, strain: Any, activation: float, constants: Any) -> np.ndarray:
     """Derivatives of the whole response by E_11, E_22, E_12 (shape (3, response))."""
     step = 1e-6
     rows = []
@@ -61,8 +63,7 @@ def differences(respond: Any, strain: Any, activation: float, material: Material
         ahead[i] += step
         behind[i] -= step
         values = [
-            np.array(respond(*e, skew_reference(), activation, material.constants()))
-            for e in (ahead, behind)
+            np.array(respond(*e, skew_reference(), activation, constants)) for e in (ahead, behind)
         ]
         rows.append((values[0] - values[1]) / (2 * step))
     return np.array(rows) * HALF_SHEAR[:, None]
@@ -71,22 +72,23 @@ def differences(respond: Any, strain: Any, activation: float, material: Material
 @pytest.mark.parametrize("strain", STRAINS)
 def test_passive_stress_is_the_derivative_of_the_energy(strain: Any, material: Material) -> None:
     """S = 2 dpsi/dC = dpsi/dE."""
-    respond = compile_point(material, prescribed)
-    point = respond(*strain, skew_reference(), 0.0, material.constants())
-    slopes = differences(respond, strain, 0.0, material)[:, 0]
+    respond = compile_point(material, PRESCRIBED)
+    point = respond(*strain, skew_reference(), 0.0, passive(material))
+    slopes = differences(respond, strain, 0.0, passive(material))[:, 0]
     # differences over 2e-6 of an energy of up to 1e3 kPa: about 1e-7 kPa
     np.testing.assert_allclose([point.s11, point.s22, point.s12], slopes, rtol=1e-6, atol=1e-6)
 
 
-@pytest.mark.parametrize("tension", [prescribed, quadratic])
+@pytest.mark.parametrize("tension", tensions.NAMES)
 @pytest.mark.parametrize("strain", STRAINS)
 def test_the_tangent_is_the_derivative_of_the_stress(
-    strain: Any, material: Material, tension: Any
+    strain: Any, material: Material, tension: str
 ) -> None:
     """C = 2 dS/dC = dS/dE, active part and its stretch derivative included (eq. 51)."""
-    respond = compile_point(material, tension)
-    c = respond(*strain, skew_reference(), 15.0, material.constants())
-    slopes = differences(respond, strain, 15.0, material)[:, 1:4]
+    law = tensions.example(tension)
+    respond, constants = compile_point(material, law), constants_of(material, law)
+    c = respond(*strain, skew_reference(), 15.0, constants)
+    slopes = differences(respond, strain, 15.0, constants)[:, 1:4]
     tangent = [
         [c.c1111, c.c1122, c.c1112],
         [c.c1122, c.c2222, c.c2212],
@@ -117,7 +119,8 @@ def test_rest_is_free_of_stress_and_of_energy(material: Material) -> None:
     law, p = law_of(type(material)), material.constants()
     assert law.energy(3.0, 3.0, 1.0, p) == 0.0
     assert law.gradient(3.0, 3.0, 1.0, p)[2] == 0.0  # incompressibility takes care of the others
-    point = compile_point(material, prescribed)(0.0, 0.0, 0.0, skew_reference(), 0.0, p)
+    respond = compile_point(material, PRESCRIBED)
+    point = respond(0.0, 0.0, 0.0, skew_reference(), 0.0, passive(material))
     assert (point.s11, point.s22, point.s12) == (0.0, 0.0, 0.0)
 
 
@@ -165,10 +168,10 @@ def test_the_elimination_of_the_thickness_is_a_chain_rule() -> None:
 @pytest.mark.parametrize("stretch", [0.6, 0.95, 1.3, 2.5])
 def test_uniaxial_tension_of_the_neo_hookean_solid(stretch: float) -> None:
     """Free sides contract by l^(-1/2); sigma = mu (l^2 - 1/l), so S = mu (1 - l^-3); nothing else."""
-    respond = compile_point(PDMS, prescribed)
+    respond = compile_point(PDMS, PRESCRIBED)
     unit = PlaneReference(1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
     e1, e2 = 0.5 * (stretch**2 - 1.0), 0.5 * (1.0 / stretch - 1.0)
-    point = respond(e1, e2, 0.0, unit, 0.0, PDMS.constants())
+    point = respond(e1, e2, 0.0, unit, 0.0, passive(PDMS))
     # exact formulas: round-off of a few kPa * 1e-16 only
     assert stretch**2 * point.s11 == pytest.approx(500.0 * (stretch**2 - 1 / stretch), rel=1e-12)
     assert abs(point.s22) < 1e-10
@@ -177,7 +180,7 @@ def test_uniaxial_tension_of_the_neo_hookean_solid(stretch: float) -> None:
 
 def test_stress_does_not_depend_on_the_coordinates(material: Material) -> None:
     """Other in-plane coordinates of the same strain give the same tensor S and the same energy."""
-    respond = compile_point(material, prescribed)
+    respond = compile_point(material, PRESCRIBED)
     strain = np.array([[0.2, 0.05], [0.05, -0.1]])
     fibre = np.array([math.cos(0.7), math.sin(0.7)])
     base = np.array([[1.3, 0.2], [-0.4, 0.9]])  # rows: covariant vectors G_a in Cartesian axes
@@ -196,7 +199,7 @@ def test_stress_does_not_depend_on_the_coordinates(material: Material) -> None:
             f[1] ** 2,
             f[0] * f[1],
         )
-        point = respond(e[0, 0], e[1, 1], e[0, 1], reference, 9.0, material.constants())
+        point = respond(e[0, 0], e[1, 1], e[0, 1], reference, 9.0, passive(material))
         s = np.array([[point.s11, point.s12], [point.s12, point.s22]])
         tensors.append((g.T @ s @ g, point.energy))
     # the same sums in other coordinates: round-off
@@ -207,17 +210,17 @@ def test_stress_does_not_depend_on_the_coordinates(material: Material) -> None:
 def test_the_active_stress_pulls_along_the_fibres_with_the_given_cauchy_stress() -> None:
     """S_a = sigma_a/l^2 f0 (x) f0: at stretch l along f0, l^2 S_a = sigma_a (eqs. 37-39)."""
     unit = PlaneReference(1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    respond = compile_point(MUSCLE, prescribed)
+    respond = compile_point(MUSCLE, PRESCRIBED)
     e1 = 0.5 * (1.1**2 - 1.0)
-    with_stress = respond(e1, 0.0, 0.0, unit, 12.2, MUSCLE.constants())
-    without = respond(e1, 0.0, 0.0, unit, 0.0, MUSCLE.constants())
+    with_stress = respond(e1, 0.0, 0.0, unit, 12.2, passive(MUSCLE))
+    without = respond(e1, 0.0, 0.0, unit, 0.0, passive(MUSCLE))
     assert 1.1**2 * (with_stress.s11 - without.s11) == pytest.approx(12.2, rel=1e-12)
     assert with_stress.s22 == without.s22
 
 
 def test_a_turned_over_element_gives_nan_and_not_a_number_to_trust() -> None:
     unit = PlaneReference(1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    point = compile_point(PDMS, prescribed)(-0.6, 0.1, 0.0, unit, 0.0, PDMS.constants())
+    point = compile_point(PDMS, PRESCRIBED)(-0.6, 0.1, 0.0, unit, 0.0, passive(PDMS))
     assert math.isnan(point.s11)
 
 

@@ -138,13 +138,12 @@ def test_a_layer_may_be_split_in_two_equal_ones() -> None:
     whole = films.shell(patch)
     halves = Laminate(
         (
-            Layer("substrate", 0.018, 45.0, active=False),
-            Layer("lower", 0.002, 45.0, active=True),
-            Layer("upper", 0.002, 45.0, active=True),
+            Layer("substrate", "substrate", 0.018, 45.0, 0.0),
+            Layer("lower", "active", 0.002, 45.0, 1.0),
+            Layer("upper", "active", 0.002, 45.0, 1.0),
         )
     )
-    materials = {"substrate": films.PDMS, "lower": films.MUSCLE, "upper": films.MUSCLE}
-    split = build_shell(patch, halves, materials)
+    split = build_shell(patch, halves, films.MATERIALS)
     state, activation = films.random_state(whole, seed=9)
     one, two = whole.respond(state, activation), split.respond(state, activation)
     # three Gauss points integrate a 4 um layer to a relative error far below 1e-9
@@ -174,7 +173,7 @@ def test_a_film_that_is_not_smooth_is_refused() -> None:
 
 
 def test_a_layer_without_material_is_refused() -> None:
-    with pytest.raises(ValueError, match="no material for layer 'active'"):
+    with pytest.raises(ValueError, match="layer 'active' is of material 'active', which is not"):
         build_shell(films.flat((2, 2)), films.two_layers(), {"substrate": films.PDMS})
 
 

@@ -35,6 +35,7 @@ FIELDS: dict[str, Any] = {
     "support": "clamped",
     "substrate": films.PDMS,
     "active": films.MUSCLE,
+    "tension_law": "prescribed",
 }
 POINTS = 18 * 6
 
@@ -145,7 +146,7 @@ def test_a_stress_at_other_points_is_refused() -> None:
 
 
 def test_a_film_without_muscle_is_refused() -> None:
-    dead = Laminate((Layer("substrate", 0.018, 0.0, active=False),))
+    dead = Laminate((Layer("substrate", "substrate", 0.018, 0.0, 0.0),))
     with pytest.raises(ValueError, match="no layer of the film is active"):
         mechanics.compute(config(), SURFACE, dead, samples())
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from stages.mechanics.materials.base import law_of
 from stages.mechanics.shell import Shell
+from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import QuadratureGrid, quadrature_grid
@@ -29,9 +30,9 @@ def respond(body: Shell, displacement: Array, activation: Array) -> tuple[Array,
     c0, c1, c2 = (np.zeros((*eps.shape, 2, 2)) for _ in range(3))
     energy = 0.0
     for points in body.layers:
-        sigma = activation if points.layer.active else np.zeros_like(activation)
+        pull = points.layer.activity * activation
         for z, w in zip(points.depth, points.weights, strict=True):
-            psi, s, c = _point(points, reference, eps + z * kap, sigma, z)
+            psi, s, c = _point(points, reference, eps + z * kap, pull, z, body.tension)
             n, m = n + w * s, m + w * z * s
             c0, c1, c2 = c0 + w * c, c1 + w * z * c, c2 + w * z**2 * c
             energy += float(weights @ psi) * w
@@ -86,7 +87,12 @@ def _values(patch: Patch, grid: QuadratureGrid, order: tuple[int, int]) -> Array
 
 
 def _point(
-    points: object, reference: SurfaceFrame, strain: Array, sigma: Array, z: float
+    points: object,
+    reference: SurfaceFrame,
+    strain: Array,
+    activation: Array,
+    z: float,
+    tension: TensionLaw,
 ) -> tuple[Array, Array, Array]:
     """psi, S^ab and C^abcd from C = G + 2 E directly: each invariant with its two derivatives.
 
@@ -109,6 +115,9 @@ def _point(
     ff = np.einsum("pa,pb->pab", up, up)
     t, i4 = np.einsum("pab,pab->p", con, c), np.einsum("pab,pab->p", ff, c)
     invariants = list(zip(t + 1.0 / j, t / j + j, i4, strict=True))
+    pull, constants = functions_of(type(tension)).tension, tension.constants()
+    both = [pull(a, np.sqrt(q), constants) for a, q in zip(activation, i4, strict=True)]
+    sigma, slope = np.array(both).T
     psi = np.array([law.energy(*x, p) for x in invariants])
     gradient = np.array([law.gradient(*x, p) for x in invariants]).T
     h11, h12, h14, h22, h24, h44 = np.array([law.hessian(*x, p) for x in invariants]).T
@@ -127,5 +136,6 @@ def _point(
     s = 2 * np.einsum("mp,mpab->pab", gradient, first) + (sigma / i4)[:, None, None] * ff
     tangent = 4 * np.einsum("mp,mpabcd->pabcd", gradient[:2], second)
     tangent += 4 * np.einsum("mnp,mpab,npcd->pabcd", hessian, first, first)
-    tangent -= np.einsum("p,pab,pcd->pabcd", 2 * sigma / i4**2, ff, ff)
+    active = slope / i4**1.5 - 2 * sigma / i4**2  # 2 d(sigma/q)/dq, q = lambda_f^2
+    tangent += np.einsum("p,pab,pcd->pabcd", active, ff, ff)
     return psi, s, tangent

@@ -39,7 +39,7 @@ def synthetic_experiment(
     geometry = FilmGeometry(
         ExcitableSurface(surface),
         MidSurface(film),
-        Laminate((Layer("active", 0.004, 45.0, active=True),)),
+        Laminate((Layer("active", "active", 0.004, 45.0, 1.0),)),
     )
     x = surface.evaluate(*(space.greville() for space in surface.spaces))[:, 0]
     time = np.arange(0.0, duration + 0.5)

@@ -1,0 +1,1 @@
+"""Laws of the active stress, one per file, picked by name."""
