@@ -33,3 +33,12 @@ def bumpy_patches(draw: st.DrawFn, max_degree: int = 3) -> Patch:
     noise = np.random.default_rng(seed).uniform(-1, 1, net.shape)
     smallest = spans / max(first.degree, second.degree)
     return Patch(first, second, net + 0.1 * smallest * noise)
+
+
+@st.composite
+def rational_patches(draw: st.DrawFn, max_degree: int = 3) -> Patch:
+    """Bumpy patches with random weights between a half and two."""
+    patch = draw(bumpy_patches(max_degree))
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    weights = 2.0 ** random.uniform(-1, 1, patch.control_points.shape[:2])
+    return Patch(patch.first, patch.second, patch.control_points, weights)

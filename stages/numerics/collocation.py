@@ -54,6 +54,10 @@ def edge_points(rows: int, columns: int) -> dict[str, NDArray[np.int64]]:
 def collocate(patch: Patch) -> CollocationOperators:
     """Operators of a patch at the tensor grid of its Greville points (eqs. 69-77).
 
+    The geometry enters by the frame alone and is exact for rational patches too. The fields are
+    polynomial splines N_i M_j over the same parameters in either case: they need no weights, and every
+    map from collocation points elsewhere is a tensor product.
+
     Raises
     ------
     ValueError

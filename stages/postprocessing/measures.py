@@ -95,7 +95,17 @@ def projected_lengths(film: Patch, displacement: Array, theta2: float) -> tuple[
         Shape ``(time,)``, mm.
     length
         Length of the undeformed line, mm.
+
+    Raises
+    ------
+    ValueError
+        If the film is rational: flat films are not.
     """
+    if film.weights is not None:
+        raise ValueError(
+            "the projected length belongs to a film that is flat at rest; this one has weights, as "
+            "curved films have: use a patch without weights"
+        )
     across = film.second.evaluate(np.array([theta2]))[0]
     line = np.einsum("j,ijx->ix", across, film.control_points)
     shape = (film.first.size, film.second.size)

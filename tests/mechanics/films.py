@@ -13,6 +13,7 @@ from stages.mechanics.shell import Shell, build_shell
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
+from stages.numerics.shapes import cylindrical_panel
 from tests.mechanics.materials import EXAMPLES
 
 PDMS = EXAMPLES["neo-hookean"]
@@ -63,6 +64,14 @@ def mixed() -> Patch:
     points[:, 2] = 0.1 * np.sin(points[:, 0]) * (1.0 + points[:, 1])
     start = np.zeros((spaces[0].size, spaces[1].size, 3))
     return Patch(spaces[0], spaces[1], start).interpolate(points)
+
+
+def rational() -> Patch:
+    """Cylindrical panel whose inner weights are changed, so that no symmetry hides a term."""
+    panel = cylindrical_panel(1.5, 3.5, (-50.0, 60.0)).refine(2, (3, 2))
+    random = np.random.default_rng(9)
+    factors = random.uniform(0.7, 1.4, panel.control_points.shape[:2])
+    return Patch(panel.first, panel.second, panel.control_points, panel.weights * factors)
 
 
 def shell(patch: Patch, laminate: Laminate | None = None) -> Shell:

@@ -7,8 +7,10 @@ import pytest
 
 from stages.artefacts import Laminate, Layer
 from stages.mechanics.shell import Shell, build_shell
+from stages.numerics.bsplines import SplineSpace
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.shapes import cylindrical_panel
 from stages.numerics.surface_geometry import frame_on_grid
 from tests.mechanics import films, materials, twin
 
@@ -18,6 +20,7 @@ FILMS = {
     "uneven": films.uneven(),
     "arched": films.arched((3, 2)),
     "mixed": films.mixed(),
+    "rational": films.rational(),
 }
 
 
@@ -183,3 +186,49 @@ def test_fibres_normal_to_the_film_are_refused() -> None:
     turned = type(patch)(patch.first, patch.second, upright)
     with pytest.raises(ValueError, match="stand normal to the film"):
         films.shell(turned, films.two_layers(angle=0.0))
+
+
+def test_the_mass_matrix_is_the_integral_of_products_of_the_functions(body: Shell) -> None:
+    grid = quadrature_grid(body.patch, body.basis.points)
+    pairs = np.stack(np.meshgrid(grid.theta1, grid.theta2, indexing="ij"), axis=-1)
+    functions = body.patch.functions(pairs.reshape(-1, 2))
+    expected = functions.T @ (body.weights[:, None] * functions)
+    mass = body.mass().dense()
+    density = mass.sum() / (3 * expected.sum())
+    for x in range(3):
+        # the same sums in another order
+        np.testing.assert_allclose(
+            mass[x::3, x::3], density * expected, rtol=0, atol=1e-13 * mass.max()
+        )
+    assert not mass[0::3, 1::3].any()
+    total = sum(p.material.density * p.layer.thickness for p in body.layers)
+    assert density == pytest.approx(total, rel=1e-12)
+
+
+def test_equal_weights_leave_force_and_tangent_as_they_were() -> None:
+    plain = films.arched((3, 2))
+    weights = np.full(plain.control_points.shape[:2], 0.7)
+    patches = plain, Patch(plain.first, plain.second, plain.control_points, weights)
+    bodies = [films.shell(patch) for patch in patches]
+    state, activation = films.random_state(bodies[0], seed=11)
+    responses = [body.respond(state, activation) for body in bodies]
+    # the division by a constant W rounds each function once more
+    scale = np.abs(responses[0].force).max()
+    assert np.abs(responses[0].force - responses[1].force).max() < 1e-12 * scale
+    tangents = [body.tangent(r).bands for body, r in zip(bodies, responses, strict=True)]
+    assert np.abs(tangents[0] - tangents[1]).max() < 1e-12 * np.abs(tangents[0]).max()
+
+
+def test_a_circle_of_two_segments_is_refused_because_its_splines_have_kinks() -> None:
+    """The geometry is smooth, but displacements over a double knot would be C0."""
+    panel = cylindrical_panel(1.0, 2.0, (0.0, 90.0))
+    knots = np.array([0, 0, 0, 0.5, 0.5, 1, 1, 1])
+    root = np.sqrt(0.5)
+    arc = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0]])
+    net = np.zeros((2, 5, 3))
+    net[1, :, 0] = 2.0
+    net[..., 2], net[..., 1] = arc.T
+    weights = np.tile([1, root, 1, root, 1], (2, 1))
+    half = Patch(panel.first, SplineSpace(2, knots), net, weights).refine(2, (2, 2))
+    with pytest.raises(ValueError, match="direction 2 has degree 2 and continuity C0"):
+        films.shell(half)

@@ -56,14 +56,22 @@ class FilmGrid:
     @cached_property
     def reference(self) -> Array:
         """Points of the undeformed film, shape ``(n1, n2, 3)``, mm."""
-        net = self.experiment.geometry.mid_surface.patch.control_points
-        return np.einsum("ai,bj,ijx->abx", *self._shell, net, optimize=True)
+        return self._field(self.experiment.geometry.mid_surface.patch.control_points)
 
     def displacement(self, control_values: Array) -> Array:
         """Displacement at the grid, shape ``(n1, n2, 3)``, from control values ``(points, 3)``."""
+        return self._field(control_values)
+
+    def _field(self, control_values: Array) -> Array:
         first, second = self._shell
         net = control_values.reshape(first.shape[1], second.shape[1], 3)
-        return np.einsum("ai,bj,ijx->abx", first, second, net, optimize=True)
+        weights = self.experiment.geometry.mid_surface.patch.weights
+        if weights is None:
+            return np.einsum("ai,bj,ijx->abx", first, second, net, optimize=True)
+        weighted = np.einsum(
+            "ai,bj,ijx->abx", first, second, weights[..., None] * net, optimize=True
+        )
+        return weighted / (first @ weights @ second.T)[..., None]
 
     def cell_field(self, collocation_values: Array) -> Array:
         """Field at the grid, shape ``(n1, n2)``, from values at the collocation points (eq. 86)."""
