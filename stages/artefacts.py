@@ -108,7 +108,11 @@ class StressSamples:
 
 @dataclass(frozen=True)
 class Deformation:
-    """Motion of the shell's control points (eqs. 41, 53-67)."""
+    """Motion of the shell's control points, and what its fibres feel (eqs. 41, 53-67).
+
+    The fibres are those at mid-depth of the topmost active layer, at the in-plane quadrature points
+    (numbered as in :class:`StressSamples`).
+    """
 
     stored_as: ClassVar[str] = "zarr"
 
@@ -119,6 +123,32 @@ class Deformation:
     kinetic_energy: Array = array("kPa mm^3", "time")
     strain_energy: Array = array("kPa mm^3", "time")
     newton_iterations: Array = array("1", "time")
+    fibre_stretch: Array = array("1", "time", "quadrature_point", stored="float32")
+    active_stress: Array = array("kPa", "time", "quadrature_point", stored="float32")
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """Quasi-static shapes of the shell, one for each frame of its loading (eqs. 45, 52).
+
+    ``time`` orders the loading and has no inertia to act on. ``external_work`` is what loads and moved
+    supports have done since the unloaded film, ``strain_energy`` is the passive one. ``load_step`` is
+    the smallest part of a frame's interval that had to be taken on its own, and
+    ``unstable_directions`` the number of negative pivots of the tangent: zero where the shape is
+    stable. Fibres as in :class:`Deformation`.
+    """
+
+    stored_as: ClassVar[str] = "zarr"
+
+    time: Array = array("ms", "time")
+    displacement: Array = array("mm", "time", "control_point", "xyz")
+    strain_energy: Array = array("kPa mm^3", "time")
+    external_work: Array = array("kPa mm^3", "time")
+    newton_iterations: Array = array("1", "time")
+    load_step: Array = array("ms", "time")
+    unstable_directions: Array = array("1", "time")
+    fibre_stretch: Array = array("1", "time", "quadrature_point", stored="float32")
+    active_stress: Array = array("kPa", "time", "quadrature_point", stored="float32")
 
 
 @dataclass(frozen=True)

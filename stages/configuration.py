@@ -61,15 +61,19 @@ def unkeyed(description: str, **bounds: Any) -> Any:
 class OneOf:
     """Annotation for a model that is picked by its ``name`` from a folder of one-file models.
 
+    Where tables call it otherwise, ``tag`` says how: ``kind`` for supports and loads, whose names are
+    the labels that the user gives them.
+
     ``Annotated[Material, OneOf("stages.mechanics.materials", Material)]`` accepts an instance of
     ``Material`` or a table ``{"name": "neo-hookean", ...}``. The file ``neo_hookean.py`` of that
     package is imported, and only that one; it names its class in ``MODEL``. A new model is therefore
     one new file, and a stage's code fingerprint covers the chosen model alone.
     """
 
-    def __init__(self, package: str, base: type[Section]) -> None:
+    def __init__(self, package: str, base: type[Section], tag: str = "name") -> None:
         self.package = package
         self.base = base
+        self.tag = tag
 
     def names(self) -> list[str]:
         """Names on offer, in alphabetical order."""
@@ -104,9 +108,9 @@ class OneOf:
         if not (isinstance(model, type) and issubclass(model, self.base)):
             yield f"must set MODEL to its subclass of {self.base.__name__}"
             return
-        field = model.model_fields["name"]
+        field = model.model_fields[self.tag]
         if field.default != name:
-            yield f'must declare name: Literal["{name}"] = "{name}", after the file'
+            yield f'must declare {self.tag}: Literal["{name}"] = "{name}", after the file'
         for function in getattr(self.base, "functions", ()):
             if not callable(getattr(module, function, None)):
                 yield f"must define the function {function}"
@@ -120,14 +124,14 @@ class OneOf:
         if isinstance(value, self.base):
             return value
         if isinstance(value, str):
-            value = {"name": value}
-        if not isinstance(value, dict) or not isinstance(value.get("name"), str):
+            value = {self.tag: value}
+        if not isinstance(value, dict) or not isinstance(value.get(self.tag), str):
             raise PydanticCustomError(
                 "needs_name",
-                "expected a table with a name; choose one of: {allowed}",
-                {"allowed": ", ".join(self.names())},
+                "expected a table with a {tag}; choose one of: {allowed}",
+                {"tag": self.tag, "allowed": ", ".join(self.names())},
             )
-        return self.load(value["name"]).model_validate(value)
+        return self.load(value[self.tag]).model_validate(value)
 
 
 Count = Annotated[int, Field(ge=1, le=100_000)]

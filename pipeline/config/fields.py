@@ -15,9 +15,13 @@ from pipeline.annotations import item_hints
 
 @runtime_checkable
 class Choice(Protocol):
-    """Annotation of a field whose model is picked by name, such as ``OneOf``."""
+    """Annotation of a field whose model is picked by name, such as ``OneOf``.
+
+    ``tag`` is the key of a table that holds the name.
+    """
 
     package: str
+    tag: str
 
     def names(self) -> list[str]:
         """Names on offer."""
@@ -102,7 +106,7 @@ class Declared:
         """Model that a table is for; ``None`` if there is none or its name is not on offer."""
         for member in self.members():
             if member.choice is not None:
-                name = data if isinstance(data, str) else _name(data)
+                name = data if isinstance(data, str) else _entry(data, member.choice.tag)
                 if isinstance(name, str) and name in member.choice.names():
                     return member.choice.load(name)
         if not isinstance(data, Mapping):
@@ -125,8 +129,8 @@ def _choice(metadata: Sequence[Any]) -> Choice | None:
     return next((item for item in metadata if isinstance(item, Choice)), None)
 
 
-def _name(data: Any) -> Any:
-    return data.get("name") if isinstance(data, Mapping) else None
+def _entry(data: Any, key: str) -> Any:
+    return data.get(key) if isinstance(data, Mapping) else None
 
 
 def _tags_fit(model: type[BaseModel], data: Mapping[str, Any]) -> bool:

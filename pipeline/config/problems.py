@@ -139,7 +139,7 @@ def expected(declared: Declared) -> str:
 def _kind(member: Declared, unit: str) -> str:
     origin = member.origins()[0]
     if member.choice is not None:
-        return f"a table with a name, one of: {', '.join(member.choice.names())}"
+        return f"a table with a {member.choice.tag}, one of: {', '.join(member.choice.names())}"
     if origin is Literal:
         return f"one of: {', '.join(_shown(value) for value in member.literals())}"
     if origin in KINDS:

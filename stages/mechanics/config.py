@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, Section, quantity, setting
 from stages.mechanics.materials.base import Material
+from stages.mechanics.supports.base import Support
 from stages.mechanics.tension_laws.base import TensionLaw
 
 AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
 AnyTensionLaw = Annotated[TensionLaw, OneOf("stages.mechanics.tension_laws", TensionLaw)]
+AnySupport = Annotated[Support, OneOf("stages.mechanics.supports", Support, tag="kind")]
 
 
-class MechanicsConfig(Section):
-    """Shell on the film's mid-surface: mesh, time grid, damping, support, materials, solver."""
+class ShellConfig(Section):
+    """Shell on the film's mid-surface: mesh, time grid, supports, materials, quadrature, Newton."""
 
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 3.1", ge=2)
-    n_steps: int = setting("number of time steps", "sec. 4.3", ge=1, le=10**7)
+    n_steps: int = setting(
+        "number of time steps; of a quasi-static run, of intervals between stored shapes",
+        "sec. 4.3",
+        ge=1,
+        le=10**7,
+    )
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
-    spectral_radius: float = quantity(
-        "", "amplification rho_inf of infinitely fast modes", "eq. 67", ge=0, le=1
-    )
-    damping: float = quantity(
-        "1/ms", "damping per mass c of C = c M; printed as 0.8 m/s, a rate", "eq. 105", ge=0
-    )
-    stiffness_damping: float = quantity(
-        "ms", "damping per stiffness at rest (Rayleigh)", "sec. 3.2", ge=0
-    )
-    support: Literal["clamped", "clamped-normal"] = setting(
-        "how the edge X = 0 is held: two rows of control points, or one and the next one's normal",
-        "sec. 4.1",
+    supports: dict[str, AnySupport] = setting(
+        "how the film is held: a table for each support, under any label", "sec. 4.1"
     )
     substrate: AnyMaterial = setting("material of the layer `substrate`", "Table 1, eq. 94")
     active: AnyMaterial = setting("material of the layer `active`", "Table 1, eq. 95")
@@ -69,7 +66,7 @@ class MechanicsConfig(Section):
     max_halvings: int = setting("how often a step that fails may be halved", ge=0, default=6)
 
     @model_validator(mode="after")
-    def _names_are_free(self) -> MechanicsConfig:
+    def _names_are_free(self) -> ShellConfig:
         for name in ("substrate", "active"):
             if name in self.materials:
                 raise PydanticCustomError(
@@ -80,7 +77,7 @@ class MechanicsConfig(Section):
         return self
 
     @model_validator(mode="after")
-    def _enough_points(self) -> MechanicsConfig:
+    def _enough_points(self) -> ShellConfig:
         """Fewer Gauss points than the degree leave motions without stiffness."""
         if self.points_per_element < self.degree:
             raise PydanticCustomError(
@@ -105,3 +102,21 @@ class MechanicsConfig(Section):
     def points_per_element(self) -> int:
         """In-plane Gauss points per element and direction."""
         return self.degree + 1 if self.plane_points is None else self.plane_points
+
+
+class MechanicsConfig(ShellConfig):
+    """Shell in motion: what inertia and damping need besides."""
+
+    spectral_radius: float = quantity(
+        "", "amplification rho_inf of infinitely fast modes", "eq. 67", ge=0, le=1
+    )
+    damping: float = quantity(
+        "1/ms", "damping per mass c of C = c M; printed as 0.8 m/s, a rate", "eq. 105", ge=0
+    )
+    stiffness_damping: float = quantity(
+        "ms", "damping per stiffness at rest (Rayleigh)", "sec. 3.2", ge=0
+    )
+
+
+class EquilibriumConfig(ShellConfig):
+    """Shell in equilibrium at every instant: its loading is so slow that nothing swings."""

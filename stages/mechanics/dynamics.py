@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stages.mechanics.constraints import Fixed
 from stages.mechanics.shell import Shell
-from stages.mechanics.supports import Fixed
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import Advance, HalvedSteps
 from stages.numerics.newton import Linearisation, NewtonControls
@@ -47,9 +47,12 @@ class ShellDynamics:
 
     def energies(self, motion: Motion) -> tuple[float, float]:
         """Kinetic and passive strain energy, kPa mm^3."""
-        kinetic = 0.5 * float(motion.velocity @ (self.mass @ motion.velocity))
         silent = np.zeros(self.shell.points)
-        return kinetic, self.shell.respond(motion.displacement, silent).energy
+        return self.kinetic_energy(motion), self.shell.respond(motion.displacement, silent).energy
+
+    def kinetic_energy(self, motion: Motion) -> float:
+        """v . M v / 2, kPa mm^3."""
+        return 0.5 * float(motion.velocity @ (self.mass @ motion.velocity))
 
 
 @dataclass(frozen=True)

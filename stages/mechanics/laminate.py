@@ -77,7 +77,7 @@ def points_through(
             )
         depth, weights = gauss(points, bottom, top)
         fibre = fibre_direction(layer, reference)
-        table = np.stack([_at_depth(reference, fibre, z) for z in depth], axis=1)
+        table = np.stack([reference_at_depth(reference, fibre, z) for z in depth], axis=1)
         layers.append(LayerPoints(layer, materials[layer.material], depth, weights, table))
     return tuple(layers)
 
@@ -107,7 +107,7 @@ def surface_density(layers: tuple[LayerPoints, ...]) -> float:
     return float(sum(points.material.density * points.layer.thickness for points in layers))
 
 
-def _at_depth(reference: Frames, fibre: Array, depth: float) -> Array:
+def reference_at_depth(reference: Frames, fibre: Array, depth: float) -> Array:
     """PlaneReference at theta3 = ``depth``: g_a = a_a + theta3 a_3,a with a_3,a = -b_ac a^c."""
     b11, b22, b12 = reference.curvature.T
     b = np.stack((np.stack((b11, b12), -1), np.stack((b12, b22), -1)), 1)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from stages.artefacts import Laminate, StressSamples
-from stages.mechanics.config import MechanicsConfig
+from stages.mechanics.config import EquilibriumConfig, MechanicsConfig, ShellConfig
+from stages.mechanics.constraints import fixed_degrees
 from stages.mechanics.dynamics import ShellDynamics, TimeLoop
+from stages.mechanics.equilibrium import QuasiStatics
 from stages.mechanics.shell import Shell, build_shell
-from stages.mechanics.supports import fixed_degrees
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
 from stages.numerics.time_stepping import GeneralizedAlpha
@@ -25,7 +26,7 @@ def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Tim
     shell = shell_of(config, patch, laminate)
     dynamics = ShellDynamics.build(
         shell,
-        fixed_degrees(patch, config.support),
+        fixed_degrees(patch, config.supports),
         damping=config.damping,
         stiffness_damping=config.stiffness_damping,
     )
@@ -38,7 +39,25 @@ def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Tim
     )
 
 
-def shell_of(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Shell:
+def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -> QuasiStatics:
+    """Quasi-static loop of the configured shell.
+
+    Raises
+    ------
+    ValueError
+        If the laminate has a layer without material, or no active layer.
+    """
+    shell = shell_of(config, patch, laminate)
+    return QuasiStatics(
+        shell,
+        fixed_degrees(patch, config.supports),
+        controls_of(config, shell),
+        config.step,
+        config.max_halvings,
+    )
+
+
+def shell_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Shell:
     """Shell with the configured materials, matched to the layers by name."""
     if not any(layer.active for layer in laminate.layers):
         raise ValueError("no layer of the film is active: nothing would move it")
@@ -52,7 +71,7 @@ def shell_of(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Shell
     )
 
 
-def controls_of(config: MechanicsConfig, shell: Shell) -> NewtonControls:
+def controls_of(config: ShellConfig, shell: Shell) -> NewtonControls:
     """Newton's tolerances, with the film's extent as the scale of displacements."""
     return NewtonControls(
         length=shell.extent,
@@ -63,7 +82,7 @@ def controls_of(config: MechanicsConfig, shell: Shell) -> NewtonControls:
     )
 
 
-def check_inputs(config: MechanicsConfig, patch: Patch, stress: StressSamples) -> None:
+def check_inputs(config: ShellConfig, patch: Patch, stress: StressSamples) -> None:
     """Mesh, quadrature and time grid of the inputs are those of the configuration.
 
     Raises

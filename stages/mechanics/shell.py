@@ -15,6 +15,7 @@ from stages.mechanics.assembly import (
     half_bandwidth,
 )
 from stages.mechanics.discretisation import Basis, basis_on_grid
+from stages.mechanics.fibres import FibreGauge
 from stages.mechanics.kinematics import Frames, compute_frames
 from stages.mechanics.laminate import LayerPoints, points_through, surface_density
 from stages.mechanics.materials.base import Material
@@ -61,6 +62,7 @@ class Shell:
     reference: Frames
     layers: tuple[LayerPoints, ...]
     tension: TensionLaw
+    fibres: FibreGauge
     _add: tuple[Callable[..., None], ...]
 
     @property
@@ -165,4 +167,6 @@ def build_shell(
     adders = tuple(
         compile_layer(points, tension if points.layer.active else PRESCRIBED) for points in layers
     )
-    return Shell(patch, basis, weights * reference.area, reference, layers, tension, adders)
+    fibres = FibreGauge.build(layers, reference, tension)
+    area = weights * reference.area
+    return Shell(patch, basis, area, reference, layers, tension, fibres, adders)

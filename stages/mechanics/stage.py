@@ -1,15 +1,18 @@
-"""Stage `mechanics`: the film bends under the active stress of its cells."""
+"""Stages `mechanics` and `equilibrium`: the film bends under the active stress of its cells."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from pipeline.nodes import History, StageRun, stage
-from stages.artefacts import Deformation, Laminate, MidSurface, StressSamples
-from stages.mechanics.config import MechanicsConfig
+from stages.artefacts import Deformation, Equilibria, Laminate, MidSurface, StressSamples
+from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 
 if TYPE_CHECKING:
     from stages.mechanics.dynamics import TimeLoop
+    from stages.mechanics.equilibrium import QuasiStatics, Rest
+    from stages.numerics.bsplines import Array
+    from stages.numerics.halving import Advance
     from stages.numerics.time_stepping import Motion
 
 
@@ -31,7 +34,7 @@ def mechanics(
 
     loop = build_loop(config, mid_surface.patch, laminate)
     check_inputs(config, mid_surface.patch, stress)
-    vector = (mid_surface.patch.size, 3)
+    vector, points = (mid_surface.patch.size, 3), (loop.dynamics.shell.points,)
     history = run.stream(
         Deformation,
         frames=config.n_steps + 1,
@@ -42,25 +45,23 @@ def mechanics(
             "kinetic_energy": (),
             "strain_energy": (),
             "newton_iterations": (),
+            "fibre_stretch": points,
+            "active_stress": points,
         },
     )
+    activation = FrameReader(stress.active_stress)
     saved = run.resume()
     if saved is None:
         motion, halved = loop.dynamics.at_rest(), 0
-        _append(history, loop, motion, iterations=0)
+        _append_motion(history, loop, motion, activation(0), iterations=0)
     else:
         motion = Motion(saved["displacement"], saved["velocity"], saved["acceleration"])
         halved = int(saved["halved_steps"])
-    steps = loop.run(
-        FrameReader(stress.active_stress),
-        motion,
-        first=history.frames_done - 1,
-        last=config.n_steps,
-    )
+    steps = loop.run(activation, motion, first=history.frames_done - 1, last=config.n_steps)
     for result in steps:
         motion = result.state
-        _append(history, loop, motion, result.iterations)
-        done = history.frames_done - 1
+        done = history.frames_done
+        _append_motion(history, loop, motion, activation(done), result.iterations)
         if result.halvings:
             halved += 1
             run.warn(
@@ -80,13 +81,109 @@ def mechanics(
     return history.finish(time=np.arange(config.n_steps + 1) * config.step)
 
 
-def _append(history: History[Deformation], loop: TimeLoop, motion: Motion, iterations: int) -> None:
-    kinetic, strain = loop.dynamics.energies(motion)
+@stage
+def equilibrium(
+    config: EquilibriumConfig,
+    mid_surface: MidSurface,
+    laminate: Laminate,
+    stress: StressSamples,
+    *,
+    run: StageRun,
+) -> Equilibria:
+    """Shapes of the film in balance with a slowly changing activation (eqs. 45, 52).
+
+    Frame i belongs to t_i = i duration/n_steps. Frame 0 is reached from the unloaded film, every further
+    one from the frame before it.
+    """
+    import numpy as np
+
+    from stages.mechanics.equilibrium import Rest
+    from stages.mechanics.setup import build_statics, check_inputs
+    from stages.numerics.time_series import FrameReader
+
+    statics = build_statics(config, mid_surface.patch, laminate)
+    check_inputs(config, mid_surface.patch, stress)
+    points = (statics.shell.points,)
+    history = run.stream(
+        Equilibria,
+        frames=config.n_steps + 1,
+        shapes={
+            "displacement": (mid_surface.patch.size, 3),
+            "strain_energy": (),
+            "external_work": (),
+            "newton_iterations": (),
+            "load_step": (),
+            "unstable_directions": (),
+            "fibre_stretch": points,
+            "active_stress": points,
+        },
+    )
+    activation = FrameReader(stress.active_stress)
+    saved = run.resume()
+    shape, divided = statics.unloaded(), 0
+    if saved is not None:
+        shape = Rest(saved["displacement"], saved["rate"])
+        divided = int(saved["divided_steps"])
+    for result in statics.run(activation, shape, first=history.frames_done, last=config.n_steps):
+        shape = result.state
+        done = history.frames_done
+        _append_shape(history, statics, result, activation(done))
+        if result.halvings:
+            divided += 1
+            run.warn(
+                f"load step {done} (to t = {done * config.step:g} ms) converged only in parts of "
+                f"{config.step / 2**result.halvings:g} ms"
+            )
+        run.progress(done, config.n_steps)
+        run.checkpoint(
+            lambda shape=shape, divided=divided: {  # type: ignore[misc]  # defaults bind the loop
+                "displacement": shape.displacement,
+                "rate": shape.rate,
+                "divided_steps": divided,
+            }
+        )
+    run.note("divided_steps", divided)
+    return history.finish(time=np.arange(config.n_steps + 1) * config.step)
+
+
+def _append_motion(
+    history: History[Deformation],
+    loop: TimeLoop,
+    motion: Motion,
+    activation: Array,
+    iterations: int,
+) -> None:
+    shell = loop.dynamics.shell
+    response = shell.respond(motion.displacement, activation)
+    stretch = shell.fibres.stretch(shell.reference, response.frames)
     history.append(
         displacement=motion.displacement.reshape(-1, 3),
         velocity=motion.velocity.reshape(-1, 3),
         acceleration=motion.acceleration.reshape(-1, 3),
-        kinetic_energy=kinetic,
-        strain_energy=strain,
+        kinetic_energy=loop.dynamics.kinetic_energy(motion),
+        strain_energy=response.energy,
         newton_iterations=float(iterations),
+        fibre_stretch=stretch,
+        active_stress=shell.fibres.stress(activation, stretch),
+    )
+
+
+def _append_shape(
+    history: History[Equilibria],
+    statics: QuasiStatics,
+    result: Advance[Rest],
+    activation: Array,
+) -> None:
+    shell, displacement = statics.shell, result.state.displacement
+    response = shell.respond(displacement, activation)
+    stretch = shell.fibres.stretch(shell.reference, response.frames)
+    history.append(
+        displacement=displacement.reshape(-1, 3),
+        strain_energy=response.energy,
+        external_work=0.0,
+        newton_iterations=float(result.iterations),
+        load_step=statics.step / 2**result.halvings,
+        unstable_directions=float(statics.unstable_directions(response)),
+        fibre_stretch=stretch,
+        active_stress=shell.fibres.stress(activation, stretch),
     )

@@ -8,8 +8,10 @@ import numpy as np
 
 from stages.artefacts import Laminate, Layer
 from stages.mechanics.config import MechanicsConfig
+from stages.mechanics.constraints import Fixed, fixed_degrees
 from stages.mechanics.materials.base import Material
 from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.supports.clamped import Clamped
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
@@ -77,6 +79,11 @@ def rational() -> Patch:
 def shell(patch: Patch, laminate: Laminate | None = None) -> Shell:
     """Shell of the paper's materials."""
     return build_shell(patch, laminate or two_layers(), MATERIALS)
+
+
+def clamp(patch: Patch) -> Fixed:
+    """What the paper's clamp at X = 0 holds."""
+    return fixed_degrees(patch, {"clamp": Clamped(edge="X=0")})
 
 
 def controls(body: Shell, **changes: int) -> NewtonControls:

@@ -10,7 +10,6 @@ import pytest
 from stages.mechanics.dynamics import ShellDynamics, TimeLoop
 from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.shell import Shell
-from stages.mechanics.supports import fixed_degrees
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import UnsolvedStepError
 from stages.numerics.newton import DivergenceError, NewtonControls, NewtonSolution
@@ -34,7 +33,7 @@ def loop(
 ) -> TimeLoop:
     dynamics = ShellDynamics.build(
         body,
-        fixed_degrees(body.patch, "clamped"),
+        films.clamp(body.patch),
         damping=damping,
         stiffness_damping=stiffness_damping,
     )
@@ -43,7 +42,7 @@ def loop(
 
 
 def bent(body: Shell, stress: float) -> Array:
-    fixed = fixed_degrees(body.patch, "clamped")
+    fixed = films.clamp(body.patch)
     field = np.full(body.points, stress)
     *_, last = LoadPath(body, fixed, field, 10, films.controls(body), 5).follow()
     return last.state.displacement

@@ -7,7 +7,6 @@ import pytest
 
 from stages.mechanics.equilibrium import Equilibrium, LoadPath
 from stages.mechanics.shell import Shell
-from stages.mechanics.supports import fixed_degrees
 from stages.numerics.halving import UnsolvedStepError
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
@@ -21,7 +20,7 @@ def path(
 ) -> LoadPath:
     return LoadPath(
         body,
-        fixed_degrees(body.patch, "clamped"),
+        films.clamp(body.patch),
         np.full(body.points, stress),
         increments,
         films.controls(body, max_iterations=iterations),

@@ -18,8 +18,8 @@ from pipeline.store import LocalStore
 from stages.artefacts import Laminate, Layer, MidSurface, StressSamples
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.geometry.stage import geometry
-from stages.mechanics.config import MechanicsConfig
-from stages.mechanics.stage import mechanics
+from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
+from stages.mechanics.stage import equilibrium, mechanics
 from tests.mechanics import films
 from tests.mechanics.sources import JumpConfig, jump
 
@@ -32,7 +32,7 @@ FIELDS: dict[str, Any] = {
     "spectral_radius": 0.5,
     "damping": 0.8,
     "stiffness_damping": 0.0,
-    "support": "clamped",
+    "supports": {"clamp": {"kind": "clamped", "edge": "X=0"}},
     "substrate": films.PDMS,
     "active": films.MUSCLE,
     "tension_law": "prescribed",
@@ -42,6 +42,11 @@ POINTS = 18 * 6
 
 def config(**changes: Any) -> MechanicsConfig:
     return MechanicsConfig(**{**FIELDS, **changes})
+
+
+def static(**changes: Any) -> EquilibriumConfig:
+    dynamic = {"spectral_radius", "damping", "stiffness_damping"}
+    return EquilibriumConfig(**{k: v for k, v in FIELDS.items() if k not in dynamic} | changes)
 
 
 def samples(steps: int = 8, duration: float = 40.0, points: int = POINTS) -> StressSamples:
@@ -81,6 +86,64 @@ def test_a_stopped_run_goes_on_to_the_same_bits() -> None:
         np.testing.assert_array_equal(
             np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name))
         )
+
+
+def test_equilibria_begin_with_the_unloaded_film_and_have_a_frame_for_every_interval() -> None:
+    found = equilibrium.compute(static(), SURFACE, films.two_layers(), samples())
+    np.testing.assert_allclose(found.time, np.arange(9) * 5.0, rtol=1e-15)
+    displacement = np.asarray(found.displacement)
+    assert displacement.shape == (9, SURFACE.patch.size, 3)
+    assert not displacement[0].any()
+    assert np.all(np.diff(np.asarray(found.strain_energy)) > 0)
+    assert not np.asarray(found.external_work).any()
+    assert not np.asarray(found.unstable_directions).any()
+    np.testing.assert_array_equal(found.load_step, 5.0)
+
+
+def test_a_stress_that_acts_from_the_start_is_reached_from_the_unloaded_film() -> None:
+    full = samples()
+    late = StressSamples(full.time, np.repeat(full.active_stress[-1:], 9, axis=0))
+    run = MemoryRun()
+    found = equilibrium.compute(static(), SURFACE, films.two_layers(), late, run=run)
+    grown = equilibrium.compute(static(), SURFACE, films.two_layers(), full)
+    # one equilibrium by two ways: Newton's tolerance
+    gap = np.asarray(found.displacement)[0] - np.asarray(grown.displacement)[-1]
+    assert np.abs(gap).max() < 1e-9
+    assert np.asarray(found.load_step)[0] < 5.0
+    assert "load step 0 (to t = 0 ms) converged only in parts of" in run.warnings[0]
+
+
+def test_equilibria_of_a_stopped_run_go_on_to_the_same_bits() -> None:
+    arguments = static(), SURFACE, films.two_layers(), samples()
+    whole = equilibrium.compute(*arguments)
+    run = MemoryRun(stop_after=4)
+    with pytest.raises(Stopped):
+        equilibrium.compute(*arguments, run=run)
+    resumed = equilibrium.compute(*arguments, run=run)
+    for name in ("displacement", "strain_energy", "newton_iterations", "fibre_stretch"):
+        np.testing.assert_array_equal(
+            np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name))
+        )
+
+
+def test_fibres_shorten_where_the_muscle_pulls() -> None:
+    """A prescribed stress is what acts; a film held by its substrate shortens by some per cent."""
+    found = equilibrium.compute(static(), SURFACE, films.two_layers(), samples())
+    stress, stretch = np.asarray(found.active_stress), np.asarray(found.fibre_stretch)
+    np.testing.assert_array_equal(stress, samples().active_stress.astype(np.float32))
+    np.testing.assert_array_equal(stretch[0], 1.0)
+    assert np.all(stretch[-1].mean() < 1.0)
+    assert stretch.min() > 0.97
+
+
+def test_the_fibre_stretch_of_a_pulled_film_is_that_of_the_pull() -> None:
+    """Every point moved by u = (0.1 X, 0, 0): lambda_f = 1.1 along X, and no bending to add to it."""
+    body = films.shell(films.flat((3, 2)), films.two_layers(angle=0.0))
+    net = body.patch.control_points
+    displacement = (net * [0.1, 0.0, 0.0]).ravel()
+    frames = body.respond(displacement, np.zeros(body.points)).frames
+    # round-off of a strain of 0.1
+    np.testing.assert_allclose(body.fibres.stretch(body.reference, frames), 1.1, rtol=1e-14)
 
 
 def test_a_step_taken_in_parts_is_told_and_counted() -> None:
@@ -159,7 +222,7 @@ def test_a_film_without_muscle_is_refused() -> None:
         ("duration", -1.0),
         ("spectral_radius", 1.5),
         ("damping", -0.1),
-        ("support", "hinged"),
+        ("supports", {"clamp": {"kind": "glued", "edge": "X=0"}}),
         ("substrate", "rubber"),
         ("max_halvings", -1),
     ],

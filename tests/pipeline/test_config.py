@@ -44,6 +44,7 @@ class OneOf:
     """A choice by name, as the stages have it."""
 
     package = "laws"
+    tag = "name"
     laws: dict[str, type[BaseModel]] = {"soft": Soft, "stiff": Stiff}  # noqa: RUF012 - constant
 
     def names(self) -> list[str]:

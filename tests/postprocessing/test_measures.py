@@ -64,6 +64,8 @@ def rolling_film(time: Array) -> Deformation:
         kinetic_energy=scalars,
         strain_energy=scalars,
         newton_iterations=scalars,
+        fibre_stretch=scalars[:, None],
+        active_stress=scalars[:, None],
     )
 
 

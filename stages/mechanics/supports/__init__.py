@@ -1,0 +1,1 @@
+"""Supports, one kind per file, picked by ``kind``."""

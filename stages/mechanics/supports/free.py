@@ -1,0 +1,27 @@
+"""No support: switches off one that a parameter file sets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Literal
+
+from stages.configuration import Edge, setting
+from stages.mechanics.supports.base import Support
+
+if TYPE_CHECKING:
+    from stages.mechanics.relations import Relation
+    from stages.numerics.patches import Patch
+
+
+class Free(Support):
+    """Holds nothing: ``--set mechanics.supports.clamp.kind=free`` lets a clamped film go."""
+
+    kind: Literal["free"] = "free"
+    edge: Edge | None = setting("edge that is let go; says nothing more", "sec. 4.1", default=None)
+
+    def relations(self, patch: Patch) -> Iterable[Relation]:
+        """None."""
+        return ()
+
+
+MODEL = Free
