@@ -152,6 +152,20 @@ class Equilibria:
 
 
 @dataclass(frozen=True)
+class StudyTable:
+    """Result of a verification study: named columns with units."""
+
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array = array("", "row", "column")
+
+    def column(self, name: str) -> Array:
+        """One column, shape ``(row,)``."""
+        found: Array = self.values[:, self.columns.index(name)]
+        return found
+
+
+@dataclass(frozen=True)
 class Measures:
     """What an experimenter would read off the film: tables over time and over probes."""
 

@@ -201,6 +201,34 @@ def show(workflow: Name, config: Config = None, settings: Settings = None) -> No
 
 
 @app.command()
+def verification(
+    ctx: typer.Context,
+    studies: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Without one: what there is.")
+    ] = None,
+    config: Config = None,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            parser=_path,
+            help="Output folder.  [default: results/verification/NAME]",
+        ),
+    ] = None,
+    store: StorePath = None,
+) -> None:
+    """Compare the solvers with closed forms and published values, study by study."""
+    from workflows.verification.commands import list_studies, run_studies
+
+    if studies:
+        run_studies(studies, config, settings or [], out, store, **ctx.obj)
+    else:
+        list_studies()
+
+
+@app.command()
 def reproduce(
     ctx: typer.Context,
     figure: Annotated[

@@ -12,6 +12,7 @@ from workflows.progress import duration, on_terminal, size, watching
 from workflows.registry import ENTRIES
 from workflows.request import Request, open_store, output_folder
 from workflows.tables import aligned, fitted, number, parameter
+from workflows.workflow import check_limits
 
 if TYPE_CHECKING:
     from pipeline.plan import Verdict
@@ -29,18 +30,32 @@ def run_workflow(
     verbose: bool = False,
 ) -> None:
     """Compute all stages, write everything, and say where it is."""
+    request = Request.read(name, config, overrides)
+    carry_out(request, out or Path("results") / name, store, quiet=quiet, verbose=verbose)
+
+
+def carry_out(
+    request: Request, out: Path, store: Path | None, *, quiet: bool = False, verbose: bool = False
+) -> None:
+    """The same for a request.
+
+    Raises
+    ------
+    LimitError
+        If a quantity exceeds its limit; everything has been written then.
+    """
     from pipeline.runner import run
     from workflows.exports.outputs import write_outputs
 
-    request = Request.read(name, config, overrides)
     nodes = request.nodes()
     kept = open_store(store)
-    folder = output_folder(out or Path("results") / name)
+    folder = output_folder(out)
     with watching(quiet=quiet, verbose=verbose) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = write_outputs(request, outcomes, folder)
     if not quiet:
         _tell_results(request, quantities, folder)
+    check_limits(quantities)
 
 
 def run_stage(
@@ -79,7 +94,7 @@ def run_stage(
     with watching(quiet=quiet, verbose=verbose) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = {}
-    if request.workflow.measured in outcomes:
+    if set(request.workflow.measured) <= outcomes.keys():
         quantities = read_quantities(request, outcomes, ledger)
     write_summary(request, outcomes, quantities, folder)
     if not quiet:
@@ -140,10 +155,7 @@ def _judged(verdict: Verdict) -> str:
 
 
 def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Path) -> None:
-    rows = [
-        (name, "-" if q.value in (None, []) else f"{number(q.value)} {q.unit}")
-        for name, q in quantities.items()
-    ]
+    rows = [(name, _told(quantity)) for name, quantity in quantities.items()]
     print()
     for line in aligned(rows, indent="  "):
         print(line)
@@ -159,3 +171,14 @@ def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Pat
             f"{label:10}{paths}", max(width, 60), subsequent_indent=" " * 10, break_long_words=False
         ):
             print(line)
+
+
+def _told(quantity: Quantity) -> str:
+    if quantity.value in (None, []):
+        return "-"
+    text = f"{number(quantity.value)} {quantity.unit}".rstrip()
+    if quantity.limit is None:
+        return text
+    return (
+        f"{text} ({'allowed' if quantity.is_allowed else 'ALLOWED ONLY'} {number(quantity.limit)})"
+    )

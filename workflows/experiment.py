@@ -17,31 +17,31 @@ class Experiment:
 
     Attributes
     ----------
+    config
+        Configuration of the workflow.
     load
         Gives the record of a stage, by the stage's name.
     """
 
+    config: Any
     load: Callable[[str], Any]
 
     @cached_property
     def geometry(self) -> FilmGeometry:
         """Surfaces and lay-up of the film."""
-        return self._record("geometry")
+        return self.load("geometry")
 
     @cached_property
     def history(self) -> ActivationHistory:
         """Potential and active stress over time."""
-        return self._record("electrophysiology")
+        return self.load("electrophysiology")
 
     @cached_property
     def deformation(self) -> Deformation:
         """Motion of the shell over time."""
-        return self._record("mechanics")
+        return self.load("mechanics")
 
     @cached_property
     def measures(self) -> Measures:
         """Probe series, curvature and beats."""
-        return self._record("postprocessing")
-
-    def _record(self, stage: str) -> Any:
-        return self.load(stage)
+        return self.load("postprocessing")

@@ -192,15 +192,15 @@ ALL_BUT_TRANSFER = ("geometry", "electrophysiology", "mechanics")
 WORKFLOW = Workflow(
     name="planar-waves",
     title="Planar waves: electrical stimulation at the clamped edge makes a film beat",
-    module=__name__,
+    modules=(__name__,),
     config=PlanarWavesConfig,
     plan=plan,
-    quantities=quantities,
-    measured="postprocessing",
+    quantities=lambda experiment: quantities(experiment.measures),
+    measured=("postprocessing",),
     exports=(
         Export(
             files=("fig8.png", "fig8.svg"),
-            module="workflows.figures.snapshots",
+            modules=("workflows.figures.snapshots",),
             stages=ALL_BUT_TRANSFER,
             kind="picture",
             caption="The deformed film at six times, coloured by the transmembrane potential "
@@ -208,7 +208,7 @@ WORKFLOW = Workflow(
         ),
         Export(
             files=("fig9.png", "fig9.svg"),
-            module="workflows.figures.traces",
+            modules=("workflows.figures.traces",),
             stages=("postprocessing",),
             kind="picture",
             caption="(a) Active stress and (b) size of the displacement over time, at the centre "
@@ -216,14 +216,14 @@ WORKFLOW = Workflow(
         ),
         Export(
             files=("probes.csv",),
-            module="workflows.exports.probes",
+            modules=("workflows.exports.probes",),
             stages=("postprocessing",),
             kind="data",
             caption="Displacement, active stress and potential of each probe over time.",
         ),
         Export(
             files=("film.vtkhdf",),
-            module="workflows.exports.paraview",
+            modules=("workflows.exports.paraview",),
             stages=ALL_BUT_TRANSFER,
             kind="data",
             caption="The moving film with its fields, for ParaView 5.12 or newer.",

@@ -31,6 +31,11 @@ ENTRIES = (
         "workflows.planar_waves",
         "electrical waves S1 and S2 cross a film and make it beat (section 4.3, Figs 8 and 9)",
     ),
+    Entry(
+        "verification",
+        "workflows.verification.experiment",
+        "the solvers against closed forms and published values (Appendices B and C, and more)",
+    ),
 )
 
 

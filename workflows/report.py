@@ -43,6 +43,7 @@ def render(
             for export in workflow.exports
             if export.kind == "picture"
         ],
+        remarks=workflow.remarks(quantities),
         data=[export for export in workflow.exports if export.kind == "data"],
         stages=[_stage(name, outcome) for name, outcome in outcomes.items()],
         sections=_sections(request),

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from workflows import registry
-from workflows.experiment import Experiment
 from workflows.figures.catalogue import FIGURES, PaperFigure
 from workflows.progress import watching
 from workflows.request import Request, open_store, output_folder
 from workflows.tables import aligned
-
-if TYPE_CHECKING:
-    from pipeline.runner import Outcome
 
 
 def list_figures() -> None:
@@ -35,6 +30,7 @@ def draw(
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
+    from workflows.exports.outputs import experiment_of
 
     figure = _figure(name)
     requests = {
@@ -48,7 +44,8 @@ def draw(
         if not quiet and len(requests) > 1:
             print(f"{label}:")
         with watching(quiet=quiet, verbose=verbose) as listen:
-            experiments[label] = Experiment(_loader(run(request.nodes(), kept, listen=listen)))
+            outcomes = run(request.nodes(), kept, listen=listen)
+        experiments[label] = experiment_of(request, outcomes)
     files = figure.draw(experiments, folder)
     if not quiet:
         print("\n".join(["", *(f"picture  {folder / file}" for file in files)]))
@@ -59,7 +56,3 @@ def _figure(name: str) -> PaperFigure:
         if figure.name == name:
             return figure
     raise registry.unknown("figure", name, [figure.name for figure in FIGURES])
-
-
-def _loader(outcomes: Mapping[str, Outcome]) -> Callable[[str], Any]:
-    return lambda stage: outcomes[stage].load()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from pydantic import BaseModel
 
+from pipeline.errors import MyofilmError
 from pipeline.nodes import Node
+from workflows.experiment import Experiment
+from workflows.tables import number
 
 Value: TypeAlias = float | list[float | None] | None
 """A number, a list of them, or nothing where there was nothing to measure."""
@@ -26,11 +29,43 @@ class Quantity:
         Unit of the value.
     meaning
         What it is, in plain words.
+    limit
+        Largest size that is allowed, where the quantity is an error that must be small.
     """
 
     value: Value
     unit: str
     meaning: str
+    limit: float | None = None
+
+    @property
+    def is_allowed(self) -> bool:
+        """Whether the value keeps its limit; NaN does not."""
+        if self.limit is None:
+            return True
+        return isinstance(self.value, float) and abs(self.value) <= self.limit
+
+
+class LimitError(MyofilmError):
+    """A quantity that must be small is not."""
+
+
+def check_limits(quantities: Mapping[str, Quantity]) -> None:
+    """Refuse quantities beyond their limits.
+
+    Raises
+    ------
+    LimitError
+        Naming all of them.
+    """
+    beyond = [
+        f"{name} is {number(quantity.value)} {quantity.unit}".rstrip()
+        + f", allowed is {number(quantity.limit)}"
+        for name, quantity in quantities.items()
+        if not quantity.is_allowed
+    ]
+    if beyond:
+        raise LimitError("\n".join(["not verified:", *beyond]))
 
 
 @dataclass(frozen=True)
@@ -41,21 +76,33 @@ class Export:
     ----------
     files
         Names of the files in the output folder.
-    module
-        Module whose ``write(experiment, folder)`` makes them; imported only when they are made.
+    modules
+        Module whose ``write(experiment, folder, *arguments)`` makes them, imported only when they are
+        made; then those that it picks by the arguments.
     stages
         Stages whose results they show.
     kind
         ``"picture"`` or ``"data"``.
     caption
         What they show, in plain words.
+    sections
+        Sections of the configuration that they show.
+    arguments
+        What ``write`` is told.
     """
 
     files: tuple[str, ...]
-    module: str
+    modules: tuple[str, ...]
     stages: tuple[str, ...]
     kind: str
     caption: str
+    sections: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+
+
+def no_remarks(quantities: Mapping[str, Quantity]) -> Sequence[str]:
+    """Nothing to add to the numbers."""
+    return ()
 
 
 @dataclass(frozen=True)
@@ -68,25 +115,29 @@ class Workflow:
         Name on the command line; its parameters are in ``parameters/<name>.toml``.
     title
         One line that says what happens.
-    module
-        Module that defines it.
+    modules
+        Modules that define it.
     config
         Class of its configuration.
     plan
         From a configuration to the planned stages by name.
     quantities
-        From the result of the last stage, ``measured``, to the numbers to report.
+        From an experiment to the numbers to report; they may depend on its configuration and on the
+        results of the stages ``measured``.
     measured
-        Stage whose record ``quantities`` reads.
+        Stages whose results ``quantities`` reads.
     exports
         Files for the output folder.
+    remarks
+        What the numbers of a run mean for its reader, a paragraph each.
     """
 
     name: str
     title: str
-    module: str
+    modules: tuple[str, ...]
     config: type[BaseModel]
     plan: Callable[[Any], Mapping[str, Node[Any]]]
-    quantities: Callable[[Any], dict[str, Quantity]]
-    measured: str
+    quantities: Callable[[Experiment], dict[str, Quantity]]
+    measured: tuple[str, ...]
     exports: tuple[Export, ...]
+    remarks: Callable[[Mapping[str, Quantity]], Sequence[str]] = no_remarks

@@ -66,7 +66,7 @@ def synthetic_experiment(
         "mechanics": deformation,
         "postprocessing": measures,
     }
-    return Experiment(records.__getitem__)
+    return Experiment(None, records.__getitem__)
 
 
 def _rolled(film: Patch, time: np.ndarray, stress: np.ndarray) -> Deformation:

@@ -59,7 +59,7 @@ def test_a_value_is_kept_with_its_source(tmp_path: Path) -> None:
 
 
 def test_a_source_covers_the_code_and_what_is_shown() -> None:
-    one = source_id("workflows.exports.probes", {"postprocessing": "a"})
-    assert one == source_id("workflows.exports.probes", {"postprocessing": "a"})
-    assert one != source_id("workflows.exports.probes", {"postprocessing": "b"})
-    assert one != source_id("workflows.exports.paraview", {"postprocessing": "a"})
+    one = source_id(["workflows.exports.probes"], {"postprocessing": "a"})
+    assert one == source_id(["workflows.exports.probes"], {"postprocessing": "a"})
+    assert one != source_id(["workflows.exports.probes"], {"postprocessing": "b"})
+    assert one != source_id(["workflows.exports.paraview"], {"postprocessing": "a"})

@@ -49,7 +49,16 @@ def test_help_needs_nothing_but_typer() -> None:
     assert not imported("run", "--help") & heavy  # typer itself may look at pydantic here
 
 
-@pytest.mark.parametrize("command", [["list"], ["show", "planar-waves"], ["reproduce"]])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["list"],
+        ["show", "planar-waves"],
+        ["reproduce"],
+        ["verification"],
+        ["show", "verification"],
+    ],
+)
 def test_reading_commands_need_no_numerics(command: list[str]) -> None:
     assert not imported(*command) & (LIGHT | NUMERICS)
 

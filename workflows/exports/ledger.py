@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,9 @@ from workflows.exports.files import write_text
 NAME = "exports.json"
 
 
-def source_id(module: str, contents: Mapping[str, Any]) -> str:
+def source_id(modules: Iterable[str], contents: Mapping[str, Any]) -> str:
     """Digest of what an export is made from: its code, and the ids of all that it shows."""
-    code = fingerprint([module], ("workflows", "stages")).digest
+    code = fingerprint(modules, ("workflows", "stages")).digest
     return digest({"code": code, "contents": dict(contents)})
 
 

@@ -25,23 +25,30 @@ Outcomes = Mapping[str, "Outcome"]
 def write_outputs(request: Request, outcomes: Outcomes, folder: Path) -> dict[str, Quantity]:
     """Write pictures, data, report and summary; give the quantities."""
     ledger = Ledger(folder)
-    experiment = Experiment(lambda stage: outcomes[stage].load())
+    experiment = experiment_of(request, outcomes)
     for export in request.workflow.exports:
-        _make(export, outcomes, experiment, ledger, folder)
+        _make(export, request, outcomes, experiment, ledger, folder)
     quantities = read_quantities(request, outcomes, ledger)
     _make_report(request, outcomes, quantities, ledger, folder)
     write_summary(request, outcomes, quantities, folder)
     return quantities
 
 
+def experiment_of(request: Request, outcomes: Outcomes) -> Experiment:
+    """The results of a run, loaded on demand."""
+    return Experiment(request.config, lambda stage: outcomes[stage].load())
+
+
 def read_quantities(request: Request, outcomes: Outcomes, ledger: Ledger) -> dict[str, Quantity]:
     """Quantities of a run, from the ledger if they are known for this very result."""
     workflow = request.workflow
-    source = source_id(workflow.module, _contents(outcomes, (workflow.measured,)))
+    results = _contents(outcomes, workflow.measured)
+    config = canonical(request.config)
+    source = source_id(workflow.modules, {"results": results, "config": config})
     kept = ledger.value("quantities", source)
     if kept is None:
-        measured = outcomes[workflow.measured].load()
-        kept = {k: dataclasses.asdict(q) for k, q in workflow.quantities(measured).items()}
+        found = workflow.quantities(experiment_of(request, outcomes))
+        kept = {k: dataclasses.asdict(q) for k, q in found.items()}
         ledger.keep("quantities", source, kept)
     return {name: Quantity(**entry) for name, entry in kept.items()}
 
@@ -55,7 +62,7 @@ def write_summary(
     """
     summary = {
         "workflow": request.workflow.name,
-        "quantities": {k: {"value": q.value, "unit": q.unit} for k, q in quantities.items()},
+        "quantities": {name: _summarised(quantity) for name, quantity in quantities.items()},
         "stages": {
             name: {
                 "key": outcome.key,
@@ -68,13 +75,33 @@ def write_summary(
     write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
 
 
+def _summarised(quantity: Quantity) -> dict[str, Any]:
+    entry: dict[str, Any] = {"value": quantity.value, "unit": quantity.unit}
+    return entry if quantity.limit is None else entry | {"limit": quantity.limit}
+
+
+def _source(export: Export, request: Request, outcomes: Outcomes) -> str:
+    shown = {section: getattr(request.config, section) for section in export.sections}
+    contents = {
+        "results": _contents(outcomes, export.stages),
+        "config": canonical(shown),
+        "arguments": export.arguments,
+    }
+    return source_id(export.modules, contents)
+
+
 def _make(
-    export: Export, outcomes: Outcomes, experiment: Experiment, ledger: Ledger, folder: Path
+    export: Export,
+    request: Request,
+    outcomes: Outcomes,
+    experiment: Experiment,
+    ledger: Ledger,
+    folder: Path,
 ) -> None:
-    source = source_id(export.module, _contents(outcomes, export.stages))
+    source = _source(export, request, outcomes)
     if all(ledger.is_current(file, source) for file in export.files):
         return
-    importlib.import_module(export.module).write(experiment, folder)
+    importlib.import_module(export.modules[0]).write(experiment, folder, *export.arguments)
     for file in export.files:
         ledger.made(file, source)
 
@@ -91,14 +118,12 @@ def _make_report(
         "config": canonical(request.config),
         "stages": {name: outcome.key for name, outcome in outcomes.items()},
         "results": _contents(outcomes, tuple(outcomes)),
-        "quantities": {name: [repr(q.value), q.unit, q.meaning] for name, q in quantities.items()},
+        "quantities": {name: repr(quantity) for name, quantity in quantities.items()},
+        "remarks": list(request.workflow.remarks(quantities)),
         "template": template.read_text(encoding="utf-8"),
-        "exports": [
-            source_id(export.module, _contents(outcomes, export.stages))
-            for export in request.workflow.exports
-        ],
+        "exports": [_source(export, request, outcomes) for export in request.workflow.exports],
     }
-    source = source_id("workflows.report", contents)
+    source = source_id(["workflows.report"], contents)
     if not ledger.is_current("report.html", source):
         from workflows.report import render
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 
 import numpy as np
 
 from workflows.experiment import Experiment
-from workflows.exports.files import write_text
+from workflows.exports.csvfiles import write_csv
 
 
 def write(experiment: Experiment, folder: Path) -> None:
@@ -22,9 +20,4 @@ def write(experiment: Experiment, folder: Path) -> None:
         heading += [f"{name}.active_stress [kPa]", f"{name}.potential [mV]"]
         columns += [measures.displacement[:, i, axis] for axis in range(3)]
         columns += [measures.active_stress[:, i], measures.potential[:, i]]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(heading)
-    for row in np.column_stack(columns):
-        writer.writerow([f"{value:.10g}" for value in row])
-    write_text(folder / "probes.csv", text.getvalue())
+    write_csv(folder / "probes.csv", heading, np.column_stack(columns))

@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.rcsetup import cycler
 
 from workflows.exports.files import replacing
 
@@ -27,6 +28,7 @@ _SETTINGS: dict[Any, Any] = {
     "axes.edgecolor": INK,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.8,
+    "axes.prop_cycle": cycler(color=PROBE_COLOURS),
     "axes.spines.top": False,
     "axes.spines.right": False,
     "xtick.color": INK,

@@ -1,0 +1,1 @@
+"""Studies that compare the solvers with closed forms and published values."""
