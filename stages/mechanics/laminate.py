@@ -40,7 +40,12 @@ class LayerPoints:
 
 
 def points_through(
-    laminate: Laminate, materials: Mapping[str, Material], reference: Frames, points: int
+    laminate: Laminate,
+    materials: Mapping[str, Material],
+    reference: Frames,
+    points: int,
+    *,
+    thin: bool = False,
 ) -> tuple[LayerPoints, ...]:
     """Gauss points of every layer, bottom to top, over the undeformed mid-surface.
 
@@ -54,6 +59,9 @@ def points_through(
         Frames of the undeformed mid-surface.
     points
         Gauss points through each layer.
+    thin
+        Take the metric of the mid-surface at every depth, as classical thin-shell theory does, with
+        bending stiffness E t^3/12. It differs by (thickness times curvature)^2, relatively.
 
     Raises
     ------
@@ -77,7 +85,9 @@ def points_through(
             )
         depth, weights = gauss(points, bottom, top)
         fibre = fibre_direction(layer, reference)
-        table = np.stack([reference_at_depth(reference, fibre, z) for z in depth], axis=1)
+        table = np.stack(
+            [reference_at_depth(reference, fibre, 0.0 if thin else z) for z in depth], axis=1
+        )
         layers.append(LayerPoints(layer, materials[layer.material], depth, weights, table))
     return tuple(layers)
 

@@ -131,6 +131,7 @@ def build_shell(
     plane_points: int | None = None,
     layer_points: int = 3,
     tension: TensionLaw = PRESCRIBED,
+    thin: bool = False,
 ) -> Shell:
     """Shell over a mid-surface patch.
 
@@ -146,6 +147,8 @@ def build_shell(
         Gauss points through each layer.
     tension
         Tension law of the active layers; a passive one has no active stress whatever the law.
+    thin
+        Take the metric of the mid-surface at every depth, as classical thin-shell theory does.
 
     Raises
     ------
@@ -163,7 +166,7 @@ def build_shell(
     basis, weights = basis_on_grid(patch, points)
     reference = Frames.empty(weights.size)
     compute_frames(basis, patch.control_points.reshape(-1, 3).copy(), reference)
-    layers = points_through(laminate, materials, reference, layer_points)
+    layers = points_through(laminate, materials, reference, layer_points, thin=thin)
     adders = tuple(
         compile_layer(points, tension if points.layer.active else PRESCRIBED) for points in layers
     )

@@ -64,3 +64,36 @@ def quadrature_grid(patch: Patch, points: int) -> QuadratureGrid:
     """
     (t1, w1), (t2, w2) = (gauss_on_spans(space.breaks, points) for space in patch.spaces)
     return QuadratureGrid(t1.ravel(), t2.ravel(), w1.ravel(), w2.ravel())
+
+
+def moments(patch: Patch, grid: QuadratureGrid, density: Array) -> Array:
+    """Integrals of the basis functions times a density, as the nodal forces of a load.
+
+    Two small matrix products instead of a sum over points.
+
+    Parameters
+    ----------
+    density
+        At the grid points, times Gauss weights and area element, shape ``(point, ...)``.
+
+    Returns
+    -------
+    Array
+        Shape ``(control point, ...)``.
+
+    Examples
+    --------
+    >>> film = Patch.rectangle(3.0, 2.0)
+    >>> grid = quadrature_grid(film, 2)
+    >>> moments(film, grid, 6.0 * np.outer(grid.weights1, grid.weights2).ravel()).tolist()
+    [1.5, 1.5, 1.5, 1.5]
+    """
+    n1, n2 = patch.first.evaluate(grid.theta1), patch.second.evaluate(grid.theta2)
+    values = density.reshape(grid.theta1.size, grid.theta2.size, *density.shape[1:])
+    if patch.weights is not None:
+        total = n1 @ patch.weights @ n2.T
+        values = values / total.reshape(*total.shape, *(1,) * (density.ndim - 1))
+    sums = np.einsum("ai,bj,ab...->ij...", n1, n2, values, optimize=True)
+    if patch.weights is not None:
+        sums = sums * patch.weights.reshape(*patch.weights.shape, *(1,) * (density.ndim - 1))
+    return np.ascontiguousarray(sums.reshape(patch.size, *density.shape[1:]))

@@ -8,6 +8,7 @@ import pytest
 from stages.mechanics.discretisation import basis_on_grid
 from stages.mechanics.kinematics import Frames, compute_frames
 from stages.mechanics.laminate import LayerPoints, points_through, surface_density
+from stages.mechanics.shell import build_shell
 from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
 from tests.mechanics import films
@@ -98,3 +99,20 @@ def test_the_fibre_angle_is_measured_from_x_on_a_flat_film() -> None:
     assert ff11 * 3.5**2 == pytest.approx(0.75, rel=1e-12)
     assert ff22 * 2.0**2 == pytest.approx(0.25, rel=1e-12)
     assert ff12 * 7.0 == pytest.approx(np.sqrt(0.1875), rel=1e-12)
+
+
+def test_a_thin_shell_keeps_the_metric_of_its_mid_surface(frames: Frames) -> None:
+    laminate = films.two_layers(30.0)
+    for points in points_through(laminate, films.MATERIALS, frames, 3, thin=True):
+        for k in range(points.depth.size):
+            np.testing.assert_array_equal(points.reference[:, k], points.reference[:, 0])
+        assert points.reference[0, 0, 3] == pytest.approx(1 / frames.area[0] ** 2, rel=1e-13)
+
+
+def test_thin_or_not_is_the_same_on_a_flat_film() -> None:
+    flat = films.flat((2, 2))
+    exact, thin = (
+        build_shell(flat, films.two_layers(), films.MATERIALS, thin=thin) for thin in (False, True)
+    )
+    for a, b in zip(exact.layers, thin.layers, strict=True):
+        np.testing.assert_array_equal(a.reference, b.reference)
