@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,7 @@ CONTROLS = NewtonControls(
     force_tolerance=1e-9,
     max_iterations=15,
 )
+SEARCHING = replace(CONTROLS, max_cuts=6)
 
 
 def root_of(value: float, power: int = 2) -> object:
@@ -85,15 +88,72 @@ def test_a_residual_at_its_round_off_floor_is_accepted() -> None:
     assert newton(linearise, np.array([1.0]), CONTROLS).iterations == 1
 
 
-def test_a_residual_that_is_not_finite_is_a_divergence() -> None:
-    def linearise(x: Array) -> Linearisation:
-        with np.errstate(invalid="ignore"):
-            return Linearisation(np.log(x), lambda b: b * x, 1.0)
+def logarithm(x: Array) -> Linearisation:
+    """R = log x, not a number for x < 0."""
+    with np.errstate(invalid="ignore"):
+        return Linearisation(np.log(x), lambda b: b * x, 1.0)
 
-    with pytest.raises(DivergenceError, match=r"diverged.*by iteration: 1.10e\+00") as failure:
-        newton(linearise, np.array([3.0]), CONTROLS)  # overshoots to a negative argument
+
+def test_a_correction_that_leaves_the_domain_is_cut() -> None:
+    solution = newton(logarithm, np.array([3.0]), SEARCHING)  # overshoots to -0.3
+    assert [i.cuts for i in solution.history[:3]] == [0, 1, 0]
+    assert solution.x[0] == pytest.approx(1.0, rel=1e-14)
+    with pytest.raises(DivergenceError, match="not finite"):
+        newton(logarithm, np.array([3.0]), CONTROLS)
+
+
+def test_a_correction_that_explodes_is_cut() -> None:
+    """R = e^x - 1 from the flat side: the first iterate would land far up the wall."""
+
+    def wall(x: Array) -> Linearisation:
+        slope = np.exp(x)
+        return Linearisation(np.exp(x) - 1.0, lambda b: b / slope, float(slope[0]))
+
+    solution = newton(wall, np.array([-5.0]), SEARCHING)  # whole: to x = 142, R = 5e61, 140 iterations
+    assert max(i.cuts for i in solution.history) == 2
+    assert abs(solution.x[0]) < 1e-14
+
+
+def test_a_detour_through_larger_residuals_is_not_cut() -> None:
+    """A stiff link that a soft motion strains: |R . du| rises before the quadratic drop."""
+    stiff = 1e5
+
+    def link(x: Array) -> Linearisation:
+        # a rod from a pin to x, pulled by a unit force that has just turned by 0.1
+        strain = 0.5 * (x @ x - 1.0)
+        residual = stiff * strain * x - np.array([np.cos(0.1), np.sin(0.1)])
+        tangent = stiff * (np.outer(x, x) + strain * np.eye(2))
+        return Linearisation(residual, lambda b: np.linalg.solve(tangent, b), stiff)
+
+    start = np.array([1.0 + 1.0 / stiff, 0.0])
+    solution = newton(link, start, SEARCHING)
+    energies = [i.energy for i in solution.history]
+    assert energies[1] > 1e2 * energies[0]
+    assert not any(i.cuts for i in solution.history)
+
+
+def test_a_residual_that_is_finite_nowhere_else_is_a_divergence() -> None:
+    def edge(x: Array) -> Linearisation:
+        return Linearisation(np.where(x == 1.0, 1.0, np.nan), lambda b: b, 1.0)
+
+    with pytest.raises(DivergenceError, match=r"diverged.*by iteration: 1.00e\+00") as failure:
+        newton(edge, np.array([1.0]), CONTROLS)
     assert len(failure.value.history) == 1
     assert "smaller steps" in failure.value.remedy
+
+
+def test_the_next_tangent_may_use_what_this_one_predicts() -> None:
+    """``ahead`` replaces the fresh linearisation: a secant method, say, for x^2 = 2."""
+
+    def at(x: float, slope: float) -> Linearisation:
+        def ahead(step: Array) -> Linearisation:
+            new = x + float(step[0])
+            return at(new, (new**2 - x**2) / (new - x))
+
+        return Linearisation(np.array([x**2 - 2.0]), lambda b: b / slope, slope, ahead=ahead)
+
+    solution = newton(lambda x: at(float(x[0]), 2.0), np.array([1.0]), CONTROLS)
+    assert solution.x[0] == pytest.approx(np.sqrt(2.0), rel=1e-14)
 
 
 def test_a_singular_tangent_names_the_supports() -> None:
