@@ -59,7 +59,8 @@ class StepControls:
 
     def next_length(self, length: float, iterations: int) -> float:
         """Length after a step that took so many iterations."""
-        return length * min(2.0, max(0.5, self.wanted_iterations / max(iterations, 1)))
+        factor = min(2.0, max(0.5, self.wanted_iterations / max(iterations, 1)))
+        return max(length * factor, min(length, self.smallest))
 
 
 @dataclass(frozen=True)

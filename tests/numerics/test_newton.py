@@ -109,7 +109,9 @@ def test_a_correction_that_explodes_is_cut() -> None:
         slope = np.exp(x)
         return Linearisation(np.exp(x) - 1.0, lambda b: b / slope, float(slope[0]))
 
-    solution = newton(wall, np.array([-5.0]), SEARCHING)  # whole: to x = 142, R = 5e61, 140 iterations
+    solution = newton(
+        wall, np.array([-5.0]), SEARCHING
+    )  # whole: to x = 142, R = 5e61, 140 iterations
     assert max(i.cuts for i in solution.history) == 2
     assert abs(solution.x[0]) < 1e-14
 
