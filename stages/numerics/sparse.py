@@ -79,6 +79,14 @@ class SymmetricBand:
             bands[j - offsets, offsets] = 0.0
         return SymmetricBand(bands)
 
+    def widened(self, width: int) -> SymmetricBand:
+        """The same matrix, with room for more subdiagonals."""
+        return SymmetricBand(np.pad(self.bands, ((0, 0), (0, max(width - self.width, 0)))))
+
+    def symmetric_part(self) -> SymmetricBand:
+        """The matrix itself."""
+        return self
+
     def dense(self) -> Array:
         """The whole matrix, for tests and small problems."""
         full = np.zeros((self.size, self.size))
