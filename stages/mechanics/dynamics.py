@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.constraints import Fixed
+from stages.mechanics.body import Body
+from stages.mechanics.imposed import Imposed
 from stages.mechanics.shell import Shell
+from stages.numerics.bands import combined
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import Advance, HalvedSteps
 from stages.numerics.newton import Linearisation, NewtonControls
@@ -18,32 +20,35 @@ from stages.numerics.time_stepping import GeneralizedAlpha, Motion, StepWeights
 
 @dataclass(frozen=True)
 class ShellDynamics:
-    """Shell with inertia, Rayleigh damping C = c M + d K_0 (eq. 105) and supports."""
+    """Body with inertia and Rayleigh damping C = c M + d K_0 (eq. 105)."""
 
-    shell: Shell
-    fixed: Fixed
+    body: Body
     mass: SymmetricBand
     damping: SymmetricBand
 
     @classmethod
-    def build(
-        cls, shell: Shell, fixed: Fixed, *, damping: float, stiffness_damping: float = 0.0
-    ) -> ShellDynamics:
+    def build(cls, body: Body, *, damping: float, stiffness_damping: float = 0.0) -> ShellDynamics:
         """Dynamics with ``damping`` c in 1/ms and ``stiffness_damping`` d in ms."""
+        shell = body.shell
         mass = shell.mass()
         matrix = mass.scaled(damping)
         if stiffness_damping:
             matrix = matrix + shell.stiffness_at_rest().scaled(stiffness_damping)
-        return cls(shell, fixed, mass, matrix)
+        return cls(body, mass, matrix)
+
+    @property
+    def shell(self) -> Shell:
+        """What moves."""
+        return self.body.shell
 
     def at_rest(self) -> Motion:
         """Undeformed shell without motion, a = 0."""
         zero = np.zeros(self.shell.size)
         return Motion(zero, zero, zero)
 
-    def under(self, activation: Array) -> LoadedShell:
-        """The problem of one step: the shell under the activation of t_alpha."""
-        return LoadedShell(self, activation)
+    def under(self, imposed: Imposed) -> LoadedShell:
+        """The problem of one step: the shell under what acts at t_alpha."""
+        return LoadedShell(self, imposed)
 
     def energies(self, motion: Motion) -> tuple[float, float]:
         """Kinetic and passive strain energy, kPa mm^3."""
@@ -57,32 +62,36 @@ class ShellDynamics:
 
 @dataclass(frozen=True)
 class LoadedShell:
-    """Balance of forces of the moving shell under one activation (eqs. 62, 64)."""
+    """Balance of forces of the moving shell at one instant (eqs. 62, 64).
+
+    Supports that move are where they should be at the end of the step: the guess puts them there.
+    """
 
     dynamics: ShellDynamics
-    activation: Array
+    imposed: Imposed
 
     def linearise(self, motion: Motion, weights: StepWeights) -> Linearisation:
         """R = M a + C v + F_int(u) and its derivative by the new displacement."""
-        body = self.dynamics
-        response = body.shell.respond(motion.displacement, self.activation)
-        residual = body.mass @ motion.acceleration + body.damping @ motion.velocity + response.force
-        residual[body.fixed] = 0.0
-        bands = weights.stiffness * body.shell.tangent(response).bands
-        bands += weights.mass * body.mass.bands
-        bands += weights.damping * body.damping.bands
-        tangent = SymmetricBand(bands)
+        dynamics, ties = self.dynamics, self.dynamics.body.ties
+        balance = dynamics.body.balance(motion.displacement, self.imposed)
+        force = dynamics.mass @ motion.acceleration + dynamics.damping @ motion.velocity
+        force += balance.force
+        tangent = combined(
+            (weights.stiffness, balance.tangent),
+            (weights.mass, dynamics.mass),
+            (weights.damping, dynamics.damping),
+        )
         stiffness = float(np.abs(tangent.diagonal).max())
 
         def solve(b: Array) -> Array:
-            return tangent.supported(body.fixed).factorise().solve(b)
+            return ties.expand(ties.reduce(tangent).factorise().solve(b))
 
-        return Linearisation(residual, solve, stiffness)
+        return Linearisation(ties.collect(force), solve, stiffness)
 
 
 @dataclass(frozen=True)
 class TimeStep:
-    """An output step or a part of one, with the activation (kPa) at both of its ends.
+    """An output step or a part of one, with what acts at both of its ends.
 
     Attributes
     ----------
@@ -95,8 +104,8 @@ class TimeStep:
     number: int
     start: float
     length: float
-    old: Array
-    new: Array
+    old: Imposed
+    new: Imposed
 
     remedy = "raise mechanics.n_steps, mechanics.max_halvings or mechanics.max_iterations"
 
@@ -111,8 +120,8 @@ class TimeStep:
         return f"{self.length:g} ms"
 
     def halves(self) -> tuple[TimeStep, TimeStep]:
-        """Two steps of half the length; the activation is linear in between."""
-        half, middle = 0.5 * self.length, 0.5 * (self.old + self.new)
+        """Two steps of half the length; what acts is linear in between."""
+        half, middle = 0.5 * self.length, self.old.towards(self.new, 0.5)
         return (
             TimeStep(self.number, self.start, half, self.old, middle),
             TimeStep(self.number, self.start + half, half, middle, self.new),
@@ -130,12 +139,12 @@ class TimeLoop:
     max_halvings: int
 
     def run(
-        self, activation: Callable[[int], Array], motion: Motion, first: int, last: int
+        self, imposed: Callable[[int], Imposed], motion: Motion, first: int, last: int
     ) -> Iterator[Advance[Motion]]:
         """Steps ``first + 1`` to ``last``, from ``motion`` at step ``first``.
 
-        ``activation(i)`` is the field at time i dt, shape ``(quadrature point,)``, kPa. The result
-        depends on nothing else, so that a run may stop after any step and go on later.
+        ``imposed(i)`` is what acts at time i dt. The result depends on nothing else, so that a run may
+        stop after any step and go on later.
 
         Raises
         ------
@@ -143,9 +152,9 @@ class TimeLoop:
             If a step fails in spite of halving; the steps before it have been yielded.
         """
         steps = HalvedSteps(self._guesses, self._solve, self.max_halvings)
-        old = np.asarray(activation(first))
+        old = imposed(first)
         for index in range(first + 1, last + 1):
-            new = np.asarray(activation(index))
+            new = imposed(index)
             step = TimeStep(index, (index - 1) * self.step, self.step, old, new)
             result = steps.advance(motion, step)
             yield result
@@ -157,12 +166,14 @@ class TimeLoop:
         To go on at the old velocity takes 3 to 5 iterations. A film that stops or turns within one step
         overshoots and is stretched by that; to stay where it was takes 4 to 7, and rarely fails.
         """
-        onward = motion.displacement + step.length * motion.velocity
+        body = self.dynamics.body
+        onward = body.admissible(motion.displacement + step.length * motion.velocity, step.new)
         yield onward
-        if not np.array_equal(onward, motion.displacement):
-            yield motion.displacement
+        staying = body.admissible(motion.displacement, step.new)
+        if not np.array_equal(onward, staying):
+            yield staying
 
     def _solve(self, motion: Motion, step: TimeStep, guess: Array) -> tuple[Motion, int]:
-        problem = self.dynamics.under(self.scheme.blend(step.old, step.new))
+        problem = self.dynamics.under(step.old.towards(step.new, self.scheme.alpha_f))
         moved, solution = self.scheme.step(problem, motion, step.length, guess, self.controls)
         return moved, solution.iterations

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stages.mechanics.relations import Points, weighted
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import EDGES
 from stages.numerics.patches import Patch
 from stages.numerics.surface_geometry import frame_on_grid
+from stages.numerics.ties import Relation
 
-Points = NDArray[np.int64]
-"""Numbers of control points."""
+FLAT = 1e-10
+"""Difference of unit vectors that is round-off of the geometry."""
 
 
 @dataclass(frozen=True)
@@ -73,3 +75,55 @@ def edge_frame(patch: Patch, edge: str, along: Array | None = None) -> EdgeFrame
     across = frame.tangents[:, 1 - direction] * (1.0 if edge.endswith("=0") else -1.0)
     inward *= np.sign(np.einsum("px,px->p", inward, across))[:, None]
     return EdgeFrame(tangent, inward, frame.normal)
+
+
+def turning_rows(patch: Patch, edge: str) -> Iterator[Relation]:
+    """Relations of the second row of control points that keep an edge which is held from turning.
+
+    With the first row held, the rotation about the edge is a_3 . u_,across, a sum over the second row.
+    """
+    _, second = control_rows(patch, edge)
+    normals = edge_frame(patch, edge).normal
+    if np.abs(normals - normals[0]).max() < FLAT:
+        for point in second:
+            yield weighted([int(point)], [1.0], normals[0])
+        return
+    space = patch.spaces[1 if edge.startswith("X") else 0]
+    weights = np.ones(patch.size) if patch.weights is None else patch.weights.ravel()
+    for functions, normal in zip(space.evaluate(space.greville()), normals, strict=True):
+        near = np.flatnonzero(functions > FLAT)
+        values = functions[near] * weights[second[near]]
+        yield weighted([int(i) for i in second[near]], [float(v) for v in values], normal)
+
+
+def symmetry_plane(patch: Patch, edge: str) -> tuple[Array, Array, Array]:
+    """Unit normal of the plane of a symmetry edge, and two directions in it.
+
+    Raises
+    ------
+    ValueError
+        If the film does not meet one plane at a right angle there, with its mesh lines.
+    """
+    first, second = control_rows(patch, edge)
+    net = patch.control_points.reshape(-1, 3)
+    across = net[second] - net[first]
+    across = across / np.linalg.norm(across, axis=1)[:, None]
+    normal = edge_frame(patch, edge).inward.mean(axis=0)
+    normal = normal / np.linalg.norm(normal)
+    if np.abs(across - normal).max() > FLAT or np.ptp(net[first] @ normal) > FLAT * np.ptp(net):
+        raise ValueError(
+            f"the edge {edge} is no edge of symmetry: it must lie in one plane, and the film and its "
+            f"mesh lines must meet that plane at a right angle"
+        )
+    if patch.weights is not None:
+        ratio = patch.weights.ravel()[second] / patch.weights.ravel()[first]
+        if np.ptp(ratio) > FLAT:
+            raise ValueError(
+                f"the weights of the rational film next to the edge {edge} are not in one ratio: its "
+                f"mirror image would not continue it smoothly"
+            )
+    normal[np.abs(normal) < FLAT] = 0.0
+    axes = np.eye(3)[np.argsort(np.abs(normal), kind="stable")]
+    one = axes[0] - (axes[0] @ normal) * normal
+    one = one / np.linalg.norm(one)
+    return normal, one, np.cross(normal, one)

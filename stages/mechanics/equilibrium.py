@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.constraints import Fixed
+from stages.mechanics.body import Body
 from stages.mechanics.dynamics import TimeStep
-from stages.mechanics.shell import Shell, ShellResponse
+from stages.mechanics.imposed import Imposed
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import Advance, HalvedSteps
-from stages.numerics.inertia import negative_pivots
-from stages.numerics.newton import Linearisation, NewtonControls, newton
+from stages.numerics.newton import NewtonControls, newton
 
 
 @dataclass(frozen=True)
@@ -67,14 +66,14 @@ class Increment:
 
 @dataclass(frozen=True)
 class LoadPath:
-    """Equilibria of a shell at equal fractions of an activation.
+    """Equilibria of a body at equal fractions of what acts on it.
 
     Parameters
     ----------
-    shell, fixed
-        The shell and its held degrees of freedom.
-    activation
-        Full activation, shape ``(quadrature point,)``, kPa.
+    body
+        The film with its supports and loads.
+    target
+        What acts in full.
     increments
         Number of fractions; Newton's basin is small on thin films (10 or more up to 10 kPa).
     controls
@@ -83,9 +82,8 @@ class LoadPath:
         How often an increment that fails may be halved.
     """
 
-    shell: Shell
-    fixed: Fixed
-    activation: Array
+    body: Body
+    target: Imposed
     increments: int
     controls: NewtonControls
     max_halvings: int
@@ -99,7 +97,7 @@ class LoadPath:
             If an increment fails in spite of halving; those before it have been yielded.
         """
         increments = HalvedSteps(self._guesses, self._solve, self.max_halvings)
-        zero = np.zeros(self.shell.size)
+        zero = np.zeros(self.body.shell.size)
         last = Equilibrium(0.0, zero, zero)
         for index in range(1, self.increments + 1):
             result = increments.advance(last, Increment(last.factor, index / self.increments))
@@ -110,21 +108,29 @@ class LoadPath:
         return (last.displacement + part.width * last.slope,)
 
     def _solve(self, last: Equilibrium, part: Increment, guess: Array) -> tuple[Equilibrium, int]:
-        solution = newton(
-            lambda u: _linearise(self.shell, self.fixed, u, part.end * self.activation),
-            guess,
-            self.controls,
-        )
+        imposed = self.body.nothing().towards(self.target, part.end)
+        solution = newton(lambda u: self.body.linearise(u, imposed), guess, self.controls)
         slope = (solution.x - last.displacement) / part.width
         return Equilibrium(part.end, solution.x, slope), solution.iterations
 
 
 @dataclass(frozen=True)
 class Rest:
-    """A shape in equilibrium, and its change per ms of loading over the last part of the way to it."""
+    """A shape in equilibrium.
+
+    Attributes
+    ----------
+    displacement
+        Control displacements, mm, shape ``(dof,)``.
+    rate
+        Its change per ms of loading over the last part of the way to it.
+    work
+        What loads and moved supports have done since the unloaded film, kPa mm^3.
+    """
 
     displacement: Array
     rate: Array
+    work: float
 
 
 @dataclass(frozen=True)
@@ -133,8 +139,8 @@ class QuasiStatics:
 
     Parameters
     ----------
-    shell, fixed
-        The shell and its held degrees of freedom.
+    body
+        The film with its supports and loads.
     controls
         Newton's tolerances.
     step
@@ -143,24 +149,23 @@ class QuasiStatics:
         How often an interval may be halved.
     """
 
-    shell: Shell
-    fixed: Fixed
+    body: Body
     controls: NewtonControls
     step: float
     max_halvings: int
 
     def unloaded(self) -> Rest:
         """The film before anything acts."""
-        zero = np.zeros(self.shell.size)
-        return Rest(zero, zero)
+        zero = np.zeros(self.body.shell.size)
+        return Rest(zero, zero, 0.0)
 
     def run(
-        self, activation: Callable[[int], Array], rest: Rest, first: int, last: int
+        self, imposed: Callable[[int], Imposed], rest: Rest, first: int, last: int
     ) -> Iterator[Advance[Rest]]:
         """Frames ``first`` to ``last``, from ``rest`` at the frame before (frame 0: unloaded).
 
-        ``activation(i)`` is the field of frame i, shape ``(quadrature point,)``, kPa; it is linear in
-        between. The result depends on nothing else, so that a run may stop after any frame.
+        ``imposed(i)`` is what acts in frame i; it is linear in between. The result depends on nothing
+        else, so that a run may stop after any frame.
 
         Raises
         ------
@@ -168,17 +173,13 @@ class QuasiStatics:
             If an interval fails in spite of halving; the frames before it have been yielded.
         """
         steps = HalvedSteps(self._guesses, self._solve, self.max_halvings)
-        old = np.asarray(activation(first - 1)) if first else np.zeros(self.shell.points)
+        old = imposed(first - 1) if first else self.body.nothing()
         for index in range(first, last + 1):
-            new = np.asarray(activation(index))
+            new = imposed(index)
             start = max(index - 1, 0) * self.step
             result = steps.advance(rest, TimeStep(index, start, self.step, old, new))
             yield result
             rest, old = result.state, new
-
-    def unstable_directions(self, response: ShellResponse) -> int:
-        """Negative pivots of the supported tangent."""
-        return negative_pivots(self.shell.tangent(response).supported(self.fixed))
 
     def _guesses(self, rest: Rest, part: TimeStep) -> Iterator[Array]:
         onward = rest.displacement + part.length * rest.rate
@@ -187,20 +188,7 @@ class QuasiStatics:
             yield rest.displacement
 
     def _solve(self, rest: Rest, part: TimeStep, guess: Array) -> tuple[Rest, int]:
-        solution = newton(
-            lambda u: _linearise(self.shell, self.fixed, u, part.new), guess, self.controls
-        )
+        solution = newton(lambda u: self.body.linearise(u, part.new), guess, self.controls)
         rate = (solution.x - rest.displacement) / part.length
-        return Rest(solution.x, rate), solution.iterations
-
-
-def _linearise(shell: Shell, fixed: Fixed, displacement: Array, activation: Array) -> Linearisation:
-    """R = F_int and K = K_int under an activation."""
-    response = shell.respond(displacement, activation)
-    residual = response.force.copy()
-    residual[fixed] = 0.0
-    tangent = shell.tangent(response)
-    stiffness = float(np.abs(tangent.diagonal).max())
-    return Linearisation(
-        residual, lambda b: tangent.supported(fixed).factorise().solve(b), stiffness
-    )
+        work = self.body.work_between(rest.displacement, part.old, solution.x, part.new)
+        return Rest(solution.x, rate, rest.work + work), solution.iterations

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from stages.artefacts import Laminate, StressSamples
+from stages.mechanics.body import Body
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig, ShellConfig
-from stages.mechanics.constraints import fixed_degrees
 from stages.mechanics.dynamics import ShellDynamics, TimeLoop
 from stages.mechanics.equilibrium import QuasiStatics
+from stages.mechanics.rigid import check_is_held
 from stages.mechanics.shell import Shell, build_shell
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
@@ -23,17 +24,14 @@ def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Tim
     ValueError
         If the laminate has a layer without material, or no active layer.
     """
-    shell = shell_of(config, patch, laminate)
+    body = body_of(config, patch, laminate)
     dynamics = ShellDynamics.build(
-        shell,
-        fixed_degrees(patch, config.supports),
-        damping=config.damping,
-        stiffness_damping=config.stiffness_damping,
+        body, damping=config.damping, stiffness_damping=config.stiffness_damping
     )
     return TimeLoop(
         dynamics,
         GeneralizedAlpha.damping_to(config.spectral_radius),
-        controls_of(config, shell),
+        controls_of(config, body.shell),
         config.step,
         config.max_halvings,
     )
@@ -47,14 +45,14 @@ def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -
     ValueError
         If the laminate has a layer without material, or no active layer.
     """
-    shell = shell_of(config, patch, laminate)
-    return QuasiStatics(
-        shell,
-        fixed_degrees(patch, config.supports),
-        controls_of(config, shell),
-        config.step,
-        config.max_halvings,
-    )
+    body = body_of(config, patch, laminate)
+    check_is_held(body)
+    return QuasiStatics(body, controls_of(config, body.shell), config.step, config.max_halvings)
+
+
+def body_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Body:
+    """The configured shell with its supports."""
+    return Body.held(shell_of(config, patch, laminate), config.supports)
 
 
 def shell_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Shell:

@@ -11,6 +11,7 @@ from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 if TYPE_CHECKING:
     from stages.mechanics.dynamics import TimeLoop
     from stages.mechanics.equilibrium import QuasiStatics, Rest
+    from stages.mechanics.imposed import Imposed
     from stages.numerics.bsplines import Array
     from stages.numerics.halving import Advance
     from stages.numerics.time_stepping import Motion
@@ -34,7 +35,8 @@ def mechanics(
 
     loop = build_loop(config, mid_surface.patch, laminate)
     check_inputs(config, mid_surface.patch, stress)
-    vector, points = (mid_surface.patch.size, 3), (loop.dynamics.shell.points,)
+    body = loop.dynamics.body
+    vector, points = (mid_surface.patch.size, 3), (body.shell.points,)
     history = run.stream(
         Deformation,
         frames=config.n_steps + 1,
@@ -57,7 +59,12 @@ def mechanics(
     else:
         motion = Motion(saved["displacement"], saved["velocity"], saved["acceleration"])
         halved = int(saved["halved_steps"])
-    steps = loop.run(activation, motion, first=history.frames_done - 1, last=config.n_steps)
+    steps = loop.run(
+        lambda i: body.imposed_at(i * config.step, activation(i)),
+        motion,
+        first=history.frames_done - 1,
+        last=config.n_steps,
+    )
     for result in steps:
         motion = result.state
         done = history.frames_done
@@ -103,7 +110,8 @@ def equilibrium(
 
     statics = build_statics(config, mid_surface.patch, laminate)
     check_inputs(config, mid_surface.patch, stress)
-    points = (statics.shell.points,)
+    body = statics.body
+    points = (body.shell.points,)
     history = run.stream(
         Equilibria,
         frames=config.n_steps + 1,
@@ -122,12 +130,16 @@ def equilibrium(
     saved = run.resume()
     shape, divided = statics.unloaded(), 0
     if saved is not None:
-        shape = Rest(saved["displacement"], saved["rate"])
+        shape = Rest(saved["displacement"], saved["rate"], float(saved["work"]))
         divided = int(saved["divided_steps"])
-    for result in statics.run(activation, shape, first=history.frames_done, last=config.n_steps):
+
+    def imposed(frame: int) -> Imposed:
+        return body.imposed_at(frame * config.step, activation(frame))
+
+    for result in statics.run(imposed, shape, first=history.frames_done, last=config.n_steps):
         shape = result.state
         done = history.frames_done
-        _append_shape(history, statics, result, activation(done))
+        _append_shape(history, statics, result, imposed(done))
         if result.halvings:
             divided += 1
             run.warn(
@@ -139,6 +151,7 @@ def equilibrium(
             lambda shape=shape, divided=divided: {  # type: ignore[misc]  # defaults bind the loop
                 "displacement": shape.displacement,
                 "rate": shape.rate,
+                "work": shape.work,
                 "divided_steps": divided,
             }
         )
@@ -172,18 +185,18 @@ def _append_shape(
     history: History[Equilibria],
     statics: QuasiStatics,
     result: Advance[Rest],
-    activation: Array,
+    imposed: Imposed,
 ) -> None:
-    shell, displacement = statics.shell, result.state.displacement
-    response = shell.respond(displacement, activation)
-    stretch = shell.fibres.stretch(shell.reference, response.frames)
+    shell, displacement = statics.body.shell, result.state.displacement
+    balance = statics.body.balance(displacement, imposed)
+    stretch = shell.fibres.stretch(shell.reference, balance.response.frames)
     history.append(
         displacement=displacement.reshape(-1, 3),
-        strain_energy=response.energy,
-        external_work=0.0,
+        strain_energy=balance.response.energy,
+        external_work=result.state.work,
         newton_iterations=float(result.iterations),
         load_step=statics.step / 2**result.halvings,
-        unstable_directions=float(statics.unstable_directions(response)),
+        unstable_directions=float(balance.unstable_directions),
         fibre_stretch=stretch,
-        active_stress=shell.fibres.stress(activation, stretch),
+        active_stress=shell.fibres.stress(imposed.activation, stretch),
     )

@@ -127,6 +127,18 @@ Band: TypeAlias = SymmetricBand | GeneralBand
 """A tangent: symmetric, unless a load follows the film."""
 
 
+def combined(first: tuple[float, Band], *others: tuple[float, SymmetricBand]) -> Band:
+    """Sum of multiples of matrices of one bandwidth."""
+    factor, matrix = first
+    bands = factor * matrix.bands
+    start = 0 if isinstance(matrix, SymmetricBand) else matrix.width
+    for factor, other in others:
+        bands[:, start:] += factor * other.bands
+        for offset in range(1, start + 1):
+            bands[offset:, start - offset] += factor * other.bands[: other.size - offset, offset]
+    return type(matrix)(bands)
+
+
 def tied(matrix: Band, ties: TieTable) -> Band:
     """T^T A T, with empty rows and columns for the slaves."""
     wide = matrix.widened(_width_after(matrix.size, matrix.width, ties))

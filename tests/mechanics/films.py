@@ -7,8 +7,8 @@ from dataclasses import fields
 import numpy as np
 
 from stages.artefacts import Laminate, Layer
+from stages.mechanics.body import Body
 from stages.mechanics.config import MechanicsConfig
-from stages.mechanics.constraints import Fixed, fixed_degrees
 from stages.mechanics.materials.base import Material
 from stages.mechanics.shell import Shell, build_shell
 from stages.mechanics.supports.clamped import Clamped
@@ -81,9 +81,13 @@ def shell(patch: Patch, laminate: Laminate | None = None) -> Shell:
     return build_shell(patch, laminate or two_layers(), MATERIALS)
 
 
-def clamp(patch: Patch) -> Fixed:
-    """What the paper's clamp at X = 0 holds."""
-    return fixed_degrees(patch, {"clamp": Clamped(edge="X=0")})
+CLAMP = {"clamp": Clamped(edge="X=0")}
+"""The paper's support."""
+
+
+def clamped(body: Shell) -> Body:
+    """A shell on the paper's clamp, without loads."""
+    return Body.held(body, CLAMP)
 
 
 def controls(body: Shell, **changes: int) -> NewtonControls:

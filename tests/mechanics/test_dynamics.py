@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from stages.mechanics.dynamics import ShellDynamics, TimeLoop
 from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.shell import Shell
 from stages.numerics.bsplines import Array
-from stages.numerics.halving import UnsolvedStepError
+from stages.numerics.halving import Advance, UnsolvedStepError
 from stages.numerics.newton import DivergenceError, NewtonControls, NewtonSolution
 from stages.numerics.time_stepping import GeneralizedAlpha, Motion, MotionProblem
 from tests.mechanics import films
@@ -32,8 +33,7 @@ def loop(
     stiffness_damping: float = 0.0,
 ) -> TimeLoop:
     dynamics = ShellDynamics.build(
-        body,
-        films.clamp(body.patch),
+        films.clamped(body),
         damping=damping,
         stiffness_damping=stiffness_damping,
     )
@@ -41,17 +41,25 @@ def loop(
     return TimeLoop(dynamics, GeneralizedAlpha.damping_to(radius), controls, step, max_halvings)
 
 
+def run(
+    time_loop: TimeLoop, stress: Callable[[int], Array], motion: Motion, first: int, last: int
+) -> Iterator[Advance[Motion]]:
+    """Steps under an activation alone."""
+    under = time_loop.dynamics.body.under
+    return time_loop.run(lambda i: under(stress(i)), motion, first, last)
+
+
 def bent(body: Shell, stress: float) -> Array:
-    fixed = films.clamp(body.patch)
-    field = np.full(body.points, stress)
-    *_, last = LoadPath(body, fixed, field, 10, films.controls(body), 5).follow()
+    held = films.clamped(body)
+    target = held.under(np.full(body.points, stress))
+    *_, last = LoadPath(held, target, 10, films.controls(body), 5).follow()
     return last.state.displacement
 
 
 def test_a_film_at_rest_stays_at_rest_exactly(body: Shell) -> None:
     time_loop = loop(body, 5.0, damping=0.8)
     silent = np.zeros(body.points)
-    for result in time_loop.run(lambda _: silent, time_loop.dynamics.at_rest(), 0, 3):
+    for result in run(time_loop, lambda _: silent, time_loop.dynamics.at_rest(), 0, 3):
         assert not result.state.displacement.any()
         assert not result.state.velocity.any()
         assert not result.state.acceleration.any()
@@ -68,7 +76,7 @@ def test_the_energy_of_a_released_film_decays_and_never_grows(
     start, silent = bent(body, stress), np.zeros(body.points)
     motion = Motion(start, np.zeros_like(start), np.zeros_like(start))
     steps = round(120.0 / step)
-    motions = [r.state for r in time_loop.run(lambda _: silent, motion, 0, steps)]
+    motions = [r.state for r in run(time_loop, lambda _: silent, motion, 0, steps)]
     energies = np.array([sum(time_loop.dynamics.energies(m)) for m in (motion, *motions)])
     # the method dissipates every linear mode; round-off of the energy is 1e-13 of its start
     assert np.diff(energies).max() < 1e-12 * energies[0]
@@ -79,7 +87,7 @@ def test_the_film_settles_in_its_static_equilibrium(body: Shell) -> None:
     """A stress raised over 50 ms and then held, with damping: the motion ends where statics does."""
     time_loop = loop(body, 10.0, damping=0.05)
     stress = lambda i: np.full(body.points, 4.0 * min(i / 5, 1.0))  # noqa: E731
-    *_, last = time_loop.run(stress, time_loop.dynamics.at_rest(), 0, 300)
+    *_, last = run(time_loop, stress, time_loop.dynamics.at_rest(), 0, 300)
     # 3 s are many times the relaxation time; what is left is exponentially small
     assert np.abs(last.state.displacement - bent(body, 4.0)).max() < 1e-7
 
@@ -89,7 +97,7 @@ def test_both_parts_of_rayleigh_damping_take_energy_out(body: Shell) -> None:
     speeds = []
     for mass_part, stiffness_part in ((0.0, 0.0), (0.05, 0.0), (0.0, 5.0)):
         time_loop = loop(body, 2.0, damping=mass_part, stiffness_damping=stiffness_part)
-        *_, last = time_loop.run(stress, time_loop.dynamics.at_rest(), 0, 30)
+        *_, last = run(time_loop, stress, time_loop.dynamics.at_rest(), 0, 30)
         speeds.append(time_loop.dynamics.energies(last.state)[0])
     assert speeds[1] < 0.5 * speeds[0]
     assert speeds[2] < 0.5 * speeds[0]
@@ -100,8 +108,9 @@ def test_the_activation_acts_at_t_alpha_with_two_thirds_of_its_new_value(body: S
     time_loop = loop(body, 5.0, damping=0.8)
     rest = time_loop.dynamics.at_rest()
     fields = [np.full(body.points, 1.0), np.full(body.points, 4.0)]
-    (result,) = time_loop.run(lambda i: fields[i], rest, 0, 1)
-    blended = time_loop.dynamics.under(np.full(body.points, 2 / 3 * 4.0 + 1 / 3 * 1.0))
+    (result,) = run(time_loop, lambda i: fields[i], rest, 0, 1)
+    acting = time_loop.dynamics.body.under(np.full(body.points, 2 / 3 * 4.0 + 1 / 3 * 1.0))
+    blended = time_loop.dynamics.under(acting)
     by_hand, _ = time_loop.scheme.step(blended, rest, 5.0, rest.displacement, time_loop.controls)
     # Newton's tolerance: the fields agree to round-off only
     assert np.abs(result.state.displacement - by_hand.displacement).max() < 1e-12
@@ -112,14 +121,14 @@ def test_a_step_that_fails_is_halved_and_the_next_one_starts_on_the_grid(body: S
     jump = [np.zeros(body.points), np.full(body.points, 6.0), np.full(body.points, 6.0)]
     for limit in range(3, 15):
         coarse = loop(body, 5.0, damping=5.0, max_iterations=limit)
-        results = list(coarse.run(lambda i: jump[i], coarse.dynamics.at_rest(), 0, 2))
+        results = list(run(coarse, lambda i: jump[i], coarse.dynamics.at_rest(), 0, 2))
         if [r.halvings for r in results] == [1, 0]:
             break
     assert [r.halvings for r in results] == [1, 0]
     fine = loop(body, 2.5, damping=5.0, max_iterations=limit)
     half = [jump[0], 0.5 * jump[1], jump[1]]
-    *_, middle = fine.run(lambda i: half[i], fine.dynamics.at_rest(), 0, 2)
-    (end,) = coarse.run(lambda i: jump[i], middle.state, 1, 2)
+    *_, middle = run(fine, lambda i: half[i], fine.dynamics.at_rest(), 0, 2)
+    (end,) = run(coarse, lambda i: jump[i], middle.state, 1, 2)
     np.testing.assert_array_equal(results[0].state.displacement, middle.state.displacement)
     np.testing.assert_array_equal(results[1].state.displacement, end.state.displacement)
 
@@ -145,8 +154,8 @@ def test_a_guess_that_leads_astray_is_replaced_before_the_step_is_halved(body: S
     stress = lambda i: np.full(body.points, 0.5 * i)  # noqa: E731
     plain = loop(body, 5.0, damping=0.8)
     astray = replace(plain, scheme=LedAstray(**asdict(plain.scheme)))
-    *_, expected = plain.run(stress, plain.dynamics.at_rest(), 0, 4)
-    *_, found = astray.run(stress, astray.dynamics.at_rest(), 0, 4)
+    *_, expected = run(plain, stress, plain.dynamics.at_rest(), 0, 4)
+    *_, found = run(astray, stress, astray.dynamics.at_rest(), 0, 4)
     assert found.halvings == 0
     # another guess, the same equations: Newton's tolerance
     assert np.abs(found.state.displacement - expected.state.displacement).max() < 1e-9
@@ -178,14 +187,14 @@ def test_a_guess_is_not_tried_twice(body: Shell, speed: float, guesses: int) -> 
     zero = np.zeros(body.size)
     start = Motion(zero, np.full(body.size, speed), zero)
     with pytest.raises(UnsolvedStepError, match="over 5 ms at once"):
-        next(replace(plain, scheme=scheme).run(lambda _: np.zeros(body.points), start, 0, 1))
+        next(run(replace(plain, scheme=scheme), lambda _: np.zeros(body.points), start, 0, 1))
     assert len(scheme.guesses) == guesses
 
 
 def test_a_hopeless_step_names_itself_and_keeps_what_was_computed(body: Shell) -> None:
     stress = lambda i: np.full(body.points, 1.0 if i < 3 else 1e5)  # noqa: E731
     time_loop = loop(body, 5.0, max_halvings=2)
-    steps = time_loop.run(stress, time_loop.dynamics.at_rest(), 0, 5)
+    steps = run(time_loop, stress, time_loop.dynamics.at_rest(), 0, 5)
     kept = [next(steps), next(steps)]
     with pytest.raises(UnsolvedStepError, match=r"even in parts of 1\.25 ms") as failure:
         next(steps)
@@ -198,8 +207,8 @@ def test_a_hopeless_step_names_itself_and_keeps_what_was_computed(body: Shell) -
 def test_a_run_cut_in_two_is_bit_equal_to_one(body: Shell) -> None:
     stress = lambda i: np.full(body.points, 0.5 * i)  # noqa: E731
     time_loop = loop(body, 5.0, damping=0.8)
-    *_, whole = time_loop.run(stress, time_loop.dynamics.at_rest(), 0, 6)
-    *_, first = time_loop.run(stress, time_loop.dynamics.at_rest(), 0, 3)
-    *_, second = time_loop.run(stress, first.state, 3, 6)
+    *_, whole = run(time_loop, stress, time_loop.dynamics.at_rest(), 0, 6)
+    *_, first = run(time_loop, stress, time_loop.dynamics.at_rest(), 0, 3)
+    *_, second = run(time_loop, stress, first.state, 3, 6)
     np.testing.assert_array_equal(whole.state.displacement, second.state.displacement)
     np.testing.assert_array_equal(whole.state.acceleration, second.state.acceleration)

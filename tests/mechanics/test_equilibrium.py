@@ -18,10 +18,10 @@ from tests.mechanics.cylinder import cylindrical_bending
 def path(
     body: Shell, stress: float, increments: int, iterations: int = 15, max_halvings: int = 5
 ) -> LoadPath:
+    held = films.clamped(body)
     return LoadPath(
-        body,
-        films.clamp(body.patch),
-        np.full(body.points, stress),
+        held,
+        held.under(np.full(body.points, stress)),
         increments,
         films.controls(body, max_iterations=iterations),
         max_halvings,

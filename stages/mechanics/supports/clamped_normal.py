@@ -9,28 +9,28 @@ from stages.configuration import Edge, setting
 from stages.mechanics.supports.base import Support
 
 if TYPE_CHECKING:
-    from stages.mechanics.relations import Relation
     from stages.numerics.patches import Patch
+    from stages.numerics.ties import Relation
 
 
 class ClampedNormal(Support):
-    """The first row of control points is held, and the next one's displacement along the normal.
+    """The first row of control points is held, and of the next one what turns the edge.
 
-    The edge does not move, so its rotation is that of the tangent across it; the tangent's change along
-    the normal is that of the second row. Nothing hinders the film from stretching there.
+    The edge does not move, so its rotation is that of the tangent across it, whose change along the
+    normal is that of the second row. Nothing hinders the film from stretching there. Where the normal
+    varies along the edge, the rotation is zero at the Greville points.
     """
 
     kind: Literal["clamped-normal"] = "clamped-normal"
     edge: Edge = setting("edge that is held", "sec. 4.1")
 
     def relations(self, patch: Patch) -> Iterable[Relation]:
-        """u = 0 on the first row, n . u = 0 on the second."""
-        from stages.mechanics.edges import control_rows, edge_frame
-        from stages.mechanics.relations import along, held
+        """u = 0 on the first row, n . u = 0 along the second."""
+        from stages.mechanics.edges import control_rows, turning_rows
+        from stages.mechanics.relations import held
 
-        first, second = control_rows(patch, self.edge)
-        yield from held(first)
-        yield from along(second, edge_frame(patch, self.edge).normal)
+        yield from held(control_rows(patch, self.edge)[0])
+        yield from turning_rows(patch, self.edge)
 
 
 MODEL = ClampedNormal

@@ -9,8 +9,8 @@ from stages.configuration import Edge, setting
 from stages.mechanics.supports.base import Support
 
 if TYPE_CHECKING:
-    from stages.mechanics.relations import Relation
     from stages.numerics.patches import Patch
+    from stages.numerics.ties import Relation
 
 
 class Free(Support):

@@ -1,0 +1,1 @@
+"""Forces that loads exert on the control points, apart from their configuration."""
