@@ -199,7 +199,9 @@ class Balance:
             x = ties.expand(self.factor.solve(b))
             return x if gap is None else x + gap
 
-        return Linearisation(ties.collect(force), solve, stiffness)
+        return Linearisation(
+            ties.collect(force), solve, stiffness, lambda: self.unstable_directions
+        )
 
     def rate(self, end: Imposed) -> Array:
         """See :meth:`Body.rate`."""
