@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -27,6 +28,14 @@ GROWTH = 1e3
 
 CUT = 0.25
 """What is left of a correction after one cut."""
+
+
+class Ahead(Protocol):
+    """Linearisation after a correction, which may lead to another parameter value as well."""
+
+    def __call__(self, correction: Array, parameter: float | None = None) -> Linearisation:
+        """Residual of the new iterate; a tangent that may use what the old one predicts."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -44,15 +53,14 @@ class Linearisation:
     negative_pivots
         Number of negative eigenvalues of K, counted when asked for; None where nobody can tell.
     ahead
-        Linearisation after a correction. The residual is that of the new iterate; the tangent may use
-        what this one predicts. None: linearise afresh.
+        Linearisation after a correction; None: linearise afresh.
     """
 
     residual: Array
     solve: Callable[[Array], Array]
     stiffness: float
     negative_pivots: Callable[[], int] | None = None
-    ahead: Callable[[Array], Linearisation] | None = None
+    ahead: Ahead | None = None
 
     @property
     def finite(self) -> bool:

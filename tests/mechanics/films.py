@@ -92,7 +92,9 @@ def clamped(body: Shell) -> Body:
 
 def controls(body: Shell, **changes: int) -> NewtonControls:
     """Newton's tolerances as the configuration has them by default."""
-    names = [field.name for field in fields(NewtonControls) if field.name != "length"]
+    names = [
+        field.name for field in fields(NewtonControls) if field.name in MechanicsConfig.model_fields
+    ]
     defaults = {name: MechanicsConfig.model_fields[name].default for name in names}
     return NewtonControls(length=body.extent, **defaults | changes)
 

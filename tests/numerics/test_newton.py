@@ -148,7 +148,7 @@ def test_the_next_tangent_may_use_what_this_one_predicts() -> None:
     """``ahead`` replaces the fresh linearisation: a secant method, say, for x^2 = 2."""
 
     def at(x: float, slope: float) -> Linearisation:
-        def ahead(step: Array) -> Linearisation:
+        def ahead(step: Array, parameter: float | None = None) -> Linearisation:
             new = x + float(step[0])
             return at(new, (new**2 - x**2) / (new - x))
 
