@@ -111,7 +111,7 @@ class OneOf:
         field = model.model_fields[self.tag]
         if field.default != name:
             yield f'must declare {self.tag}: Literal["{name}"] = "{name}", after the file'
-        for function in getattr(self.base, "functions", ()):
+        for function in getattr(model, "functions", ()):
             if not callable(getattr(module, function, None)):
                 yield f"must define the function {function}"
 

@@ -1,52 +1,99 @@
-"""Incompressible plane stress, eliminated once for every law (eqs. 89-90; Kiendl et al., 2015).
+"""Every law as a plane-stress law w(trace, det, fibre) (eqs. 89-90; Kiendl et al., 2015).
 
-A film strains in its plane only: with E_ab, and C_33 = J0^-2 by incompressibility, every isotropic or
-one-fibre energy is a function w(t, j, q) of three plane invariants
+For an incompressible solid C_33 = 1/j with j = det C_ab/det G_ab, so w = psi(I1, I2, I4) at
 
-    t = G^ab C_ab,    j = J0^2 = det C_ab / det G_ab,    q = f0^a C_ab f0^b = lambda_f^2,
+    I1 - 3 = (trace (j - 1) - det)/j,    I2 - 3 = ((j - 1)^2 - det)/j,    I4 - 1 = fibre.
 
-namely w = psi(I1, I2, I4) at I1 = t + 1/j, I2 = t/j + j, I4 = q. The functions here turn the
-derivatives of psi into those of w, and these into S^ab and C^abcd.
+These are I1 = t + 1/j and I2 = t/j + j with the ones and twos taken out by hand: they and their
+derivatives along ``trace`` vanish at rest exactly, and keep all digits at small strains.
 """
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeAlias
 
-PlaneGradient: TypeAlias = tuple[float, float, float]
-"""(w_t, w_j, w_q)."""
+from stages.mechanics.materials.base import Gradient, Hessian, Incompressible, Material, law_of
 
-PlaneHessian: TypeAlias = tuple[float, float, float, float, float, float]
-"""(w_tt, w_tj, w_tq, w_jj, w_jq, w_qq)."""
+PlaneDerivatives: TypeAlias = tuple[float, Gradient, Hessian]
+"""w and its derivatives with respect to (trace, det, fibre), kPa."""
+
+PlaneLaw: TypeAlias = Callable[[float, float, float, Any], PlaneDerivatives]
+
+Prepare: TypeAlias = Callable[[Any], Any]
+"""What is done to each function before others call it: nothing, or compilation."""
 
 
-def plane_gradient(t: float, j: float, p1: float, p2: float, p4: float) -> PlaneGradient:
-    """Chain rule for the first derivatives, from (psi_1, psi_2, psi_4).
+def as_it_is(function: Any) -> Any:
+    """Leave a function in plain Python."""
+    return function
+
+
+def plane_law(material: type[Material], prepare: Prepare = as_it_is) -> PlaneLaw:
+    """The function ``(trace, det, fibre, constants) -> (w, gradient, hessian)`` of a material.
 
     Examples
     --------
-    >>> plane_gradient(2.0, 1.0, 250.0, 0.0, 0.0)  # at rest w_t + w_j = 0: no stress
-    (250.0, -250.0, 0.0)
+    >>> from stages.mechanics.materials.neo_hookean import Constants, NeoHookean
+    >>> w, (slope, *_), _ = plane_law(NeoHookean)(0.0, 0.0, 0.0, Constants(500.0))
+    >>> w, slope  # at rest
+    (0.0, 0.0)
     """
-    return p1 + p2 / j, -p1 / j**2 + p2 * (1.0 - t / j**2), p4
+    law: Any = law_of(material)
+    parts = (prepare(part) for part in (law.energy, law.gradient, law.hessian))
+    combine = _incompressible if issubclass(material, Incompressible) else _given
+    made: PlaneLaw = prepare(combine(*parts))
+    return made
 
 
-def plane_hessian(
-    t: float,
-    j: float,
-    gradient: tuple[float, float, float],
-    hessian: tuple[float, float, float, float, float, float],
-) -> PlaneHessian:
-    """Chain rule for the second derivatives, from those of psi with respect to (I1, I2, I4)."""
-    p1, p2, _ = gradient
-    p11, p12, p14, p22, p24, p44 = hessian
-    inverse = 1.0 / j
-    i1_j = -(inverse**2)
-    i2_t = inverse
-    i2_j = 1.0 + t * i1_j
-    tt = p11 + 2.0 * p12 * i2_t + p22 * i2_t**2
-    tj = p11 * i1_j + p12 * (i2_j + i2_t * i1_j) + p22 * i2_t * i2_j + p2 * i1_j
-    tq = p14 + p24 * i2_t
-    jj = p11 * i1_j**2 + 2.0 * p12 * i1_j * i2_j + p22 * i2_j**2 + 2.0 * inverse**3 * (p1 + p2 * t)
-    jq = p14 * i1_j + p24 * i2_j
-    return tt, tj, tq, jj, jq, p44
+def thickness_stretch(material: Material, trace: float, det: float, fibre: float) -> float:
+    """lambda_3: 1/sqrt(j) for an incompressible solid, else what the law says."""
+    if isinstance(material, Incompressible):
+        return float((1.0 + trace + det) ** -0.5)
+    law: Any = law_of(type(material))
+    return float(law.thickness_stretch(trace, det, fibre, material.constants()))
+
+
+def _given(energy: Any, gradient: Any, hessian: Any) -> PlaneLaw:
+    def evaluate(trace: float, det: float, fibre: float, p: NamedTuple) -> PlaneDerivatives:
+        return (
+            energy(trace, det, fibre, p),
+            gradient(trace, det, fibre, p),
+            hessian(trace, det, fibre, p),
+        )
+
+    return evaluate
+
+
+def _incompressible(energy: Any, gradient: Any, hessian: Any) -> PlaneLaw:
+    """Chain rule from (I1, I2, I4) to (trace, det, fibre)."""
+
+    def evaluate(trace: float, det: float, fibre: float, p: NamedTuple) -> PlaneDerivatives:
+        y = trace + det
+        j = 1.0 + y
+        n = 1.0 / j
+        n2, n3 = n * n, n * n * n
+        x1, x2 = (trace * y - det) * n, (y * y - det) * n
+        p1, p2, p4 = gradient(x1, x2, fibre, p)
+        p11, p12, p14, p22, p24, p44 = hessian(x1, x2, fibre, p)
+        grown = y * (2.0 + y)  # j^2 - 1
+        i1_t, i1_d = grown * n2, -n2
+        i2_t, i2_d = (det + grown) * n2, (grown - 1.0 - trace) * n2
+        bent = 2.0 * p1 * n3  # I1 has one and the same second derivative for all pairs
+        tt = p11 * i1_t * i1_t + 2.0 * p12 * i1_t * i2_t + p22 * i2_t * i2_t
+        td = p11 * i1_t * i1_d + p12 * (i1_t * i2_d + i2_t * i1_d) + p22 * i2_t * i2_d
+        dd = p11 * i1_d * i1_d + 2.0 * p12 * i1_d * i2_d + p22 * i2_d * i2_d
+        return (
+            energy(x1, x2, fibre, p),
+            (p1 * i1_t + p2 * i2_t, p1 * i1_d + p2 * i2_d, p4),
+            (
+                tt + bent + 2.0 * p2 * (1.0 - det) * n3,
+                td + bent + p2 * (3.0 + trace - det) * n3,
+                p14 * i1_t + p24 * i2_t,
+                dd + bent + 2.0 * p2 * (2.0 + trace) * n3,
+                p14 * i1_d + p24 * i2_d,
+                p44,
+            ),
+        )
+
+    return evaluate

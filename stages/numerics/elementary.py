@@ -1,7 +1,7 @@
 """Elementary functions for model equations: plain Python here, fast vectorisable code once compiled.
 
 A model file that writes ``exp(x)`` with this ``exp`` stays light to import and easy to test; the
-compiled solvers replace it by :func:`stages.numerics.compiled.fast_exp`.
+compiled solvers replace it by :func:`stages.numerics.compiled.fast_exp`, and ``expm1`` likewise.
 """
 
 from __future__ import annotations
@@ -18,3 +18,14 @@ def exp(x: float) -> float:
     (1.0, True, True)
     """
     return math.exp(min(max(x, -708.0), 708.0))
+
+
+def expm1(x: float) -> float:
+    """exp(x) - 1 with all digits near x = 0; saturates as :func:`exp` does.
+
+    Examples
+    --------
+    >>> expm1(1e-12)
+    1.0000000000005e-12
+    """
+    return math.expm1(min(max(x, -708.0), 708.0))

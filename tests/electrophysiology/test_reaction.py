@@ -9,7 +9,6 @@ from stages.electrophysiology.cell_models import aliev_panfilov
 from stages.electrophysiology.reaction import Cells, Clock, compile_reaction
 from stages.electrophysiology.tension_laws import goektepe_kuhl
 from stages.numerics.bsplines import Array
-from stages.numerics.compiled import fast_exp
 from tests.paper import CELL, TENSION
 
 CONSTANTS = (CELL.constants(), TENSION.constants())
@@ -108,15 +107,6 @@ def test_a_crossing_is_interpolated_inside_the_step() -> None:
     ADVANCE(cells, new, 7.0, Clock(0.02, -30.0), *CONSTANTS)
     np.testing.assert_allclose(cells.crossing[0], 7.0 + 0.02 * 0.25, rtol=1e-14)
     assert np.isnan(cells.crossing[1:]).all()  # above already; not there yet
-
-
-def test_the_fast_exponential_is_accurate_and_saturates() -> None:
-    x = np.concatenate((np.linspace(-700, 700, 5001), np.linspace(-1e-3, 1e-3, 101)))
-    found = np.array([fast_exp(value) for value in x])
-    assert np.abs(found / np.exp(x) - 1).max() < 5e-16
-    assert 0 < fast_exp(-1e300) < 1e-300
-    assert 1e300 < fast_exp(1e300) < np.inf
-    assert np.isnan(fast_exp(np.nan))
 
 
 def test_rest_is_a_fixed_point() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stages.mechanics.materials.base import law_of
+from stages.mechanics.materials.base import Incompressible, law_of
 from stages.mechanics.shell import Shell
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.bsplines import Array
@@ -94,10 +94,11 @@ def _point(
     z: float,
     tension: TensionLaw,
 ) -> tuple[Array, Array, Array]:
-    """psi, S^ab and C^abcd from C = G + 2 E directly: each invariant with its two derivatives.
+    """psi, S^ab and C^abcd from C = G + 2 E directly: each argument with its two derivatives.
 
-    With X = C^-1 and j = det C/det G: dI1/dC = G^-1 - X/j, dI2/dC = G^-1/j + (j - t/j) X and
-    dI4/dC = f0 (x) f0, from dj/dC = j X and dX_abcd = -(X_ac X_bd + X_ad X_bc)/2.
+    With X = C^-1 and j = det C/det G, from dj/dC = j X and dX_abcd = -(X_ac X_bd + X_ad X_bc)/2:
+    dI1/dC = G^-1 - X/j, dI2/dC = G^-1/j + (j - t/j) X, dI4/dC = f0 (x) f0; and for laws in plane stress
+    dt/dC = G^-1, d(j - t)/dC = j X - G^-1.
     """
     layer, material = points.layer, points.material
     law, p = law_of(type(material)), material.constants()
@@ -114,7 +115,11 @@ def _point(
     up = np.einsum("pab,pbx,px->pa", con, g, f)
     ff = np.einsum("pa,pb->pab", up, up)
     t, i4 = np.einsum("pab,pab->p", con, c), np.einsum("pab,pab->p", ff, c)
-    invariants = list(zip(t + 1.0 / j, t / j + j, i4, strict=True))
+    if isinstance(material, Incompressible):
+        given = t + 1.0 / j - 3.0, t / j + j - 3.0, i4 - 1.0
+    else:
+        given = t - 2.0, j - t + 1.0, i4 - 1.0
+    invariants = list(zip(*given, strict=True))
     pull, constants = functions_of(type(tension)).tension, tension.constants()
     both = [pull(a, np.sqrt(q), constants) for a, q in zip(activation, i4, strict=True)]
     sigma, slope = np.array(both).T
@@ -124,17 +129,23 @@ def _point(
     hessian = np.array([[h11, h12, h14], [h12, h22, h24], [h14, h24, h44]])
 
     j, t = j[:, None, None], t[:, None, None]
-    first = np.stack((con - inverse / j, con / j + (j - t / j) * inverse, ff))
+    if isinstance(material, Incompressible):
+        first = np.stack((con - inverse / j, con / j + (j - t / j) * inverse, ff))
+    else:
+        first = np.stack((con, j * inverse - con, ff))
     j, t = j[..., None, None], t[..., None, None]
     swap = np.einsum("pac,pbd->pabcd", inverse, inverse)
     swap = 0.5 * (swap + np.einsum("pad,pbc->pabcd", inverse, inverse))
     square = np.einsum("pab,pcd->pabcd", inverse, inverse)
     mixed = np.einsum("pab,pcd->pabcd", con, inverse)
     mixed = mixed + mixed.transpose(0, 3, 4, 1, 2)
-    second = np.stack(((square + swap) / j, (j + t / j) * square - mixed / j + (t / j - j) * swap))
+    if isinstance(material, Incompressible):
+        second = (square + swap) / j, (j + t / j) * square - mixed / j + (t / j - j) * swap
+    else:
+        second = np.zeros_like(square), j * (square - swap)
 
     s = 2 * np.einsum("mp,mpab->pab", gradient, first) + (sigma / i4)[:, None, None] * ff
-    tangent = 4 * np.einsum("mp,mpabcd->pabcd", gradient[:2], second)
+    tangent = 4 * np.einsum("mp,mpabcd->pabcd", gradient[:2], np.stack(second))
     tangent += 4 * np.einsum("mnp,mpab,npcd->pabcd", hessian, first, first)
     active = slope / i4**1.5 - 2 * sigma / i4**2  # 2 d(sigma/q)/dq, q = lambda_f^2
     tangent += np.einsum("p,pab,pcd->pabcd", active, ff, ff)

@@ -1,7 +1,16 @@
-"""What a material is (eqs. 36, 88, 91): an incompressible free energy of three invariants.
+"""What a material is: a free energy, and how the film's thickness follows from its strain in plane.
 
-The interface covers incompressible solids with one fibre family: psi(I1, I2, I4). A second family, or a
-volume that changes, needs more invariants and another elimination of the thickness strain.
+A film is in plane stress, S^33 = 0. What the shell needs of any law is therefore its *plane* energy w, a
+function of the strain E_ab in the film's plane alone, through the three quantities
+
+    trace = 2 G^ab E_ab,    det = 4 det E_ab / det G_ab,    fibre = 2 f0^a E_ab f0^b.
+
+They vanish at rest and are formed from the strain itself, so that small strains lose no digits. The
+invariants of C_ab in the plane are t = 2 + trace, j = 1 + trace + det = J0^2, and lambda_f^2 = 1 + fibre.
+
+A law comes in one of two forms. For an :class:`Incompressible` solid it is psi(I1, I2, I4), and
+:mod:`stages.mechanics.plane_stress` makes w of it once for all. A :class:`PlaneStress` law gives w itself,
+which is the way for solids that change their volume. One fibre family is provided for.
 """
 
 from __future__ import annotations
@@ -12,26 +21,19 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias, cast
 from stages.configuration import Section, quantity
 
 Gradient: TypeAlias = tuple[float, float, float]
-"""(psi_1, psi_2, psi_4): derivatives of psi with respect to I1, I2 and I4, kPa."""
+"""First derivatives with respect to the three arguments, kPa."""
 
 Hessian: TypeAlias = tuple[float, float, float, float, float, float]
-"""(psi_11, psi_12, psi_14, psi_22, psi_24, psi_44), kPa."""
+"""Second derivatives 11, 12, 13, 22, 23, 33 with respect to the three arguments, kPa."""
 
 
 class Material(Section):
-    """Parameters of an incompressible material; its law is three plain functions beside the class.
+    """Parameters of a material; its law is plain functions beside the class.
 
-    A material file holds a subclass of this, names it in ``MODEL``, and defines at module level
-
-    - ``energy(i1, i2, i4, p) -> float``: psi, kPa;
-    - ``gradient(i1, i2, i4, p) -> Gradient``;
-    - ``hessian(i1, i2, i4, p) -> Hessian``;
-
-    where I1 = tr C, I2 = (I1^2 - tr C^2)/2, I4 = f0 . C f0 is the squared fibre stretch, and ``p`` is
-    the named tuple that ``constants()`` returns. They are scalar Python; the solver compiles them and
-    eliminates the thickness strain (``stages.mechanics.plane_stress``). Use
-    ``stages.numerics.elementary.exp`` for exponentials. At rest (3, 3, 1) the stress has to vanish:
-    the part in I1 and I2 does so by incompressibility, psi_4 has to be zero there.
+    A material file holds a subclass of :class:`Incompressible` or :class:`PlaneStress`, names it in
+    ``MODEL``, and defines the functions of that form at module level. They are scalar Python, compiled
+    by the solver; ``p`` is the named tuple that ``constants()`` returns. Use ``exp`` and ``expm1`` of
+    ``stages.numerics.elementary``, the latter where a stress has to vanish at rest.
     """
 
     functions: ClassVar[tuple[str, ...]] = ("energy", "gradient", "hessian")
@@ -45,20 +47,44 @@ class Material(Section):
         raise TypeError(f"{type(self).__name__} does not say its constants")
 
 
+class Incompressible(Material):
+    """A solid of constant volume: psi of x1 = I1 - 3, x2 = I2 - 3 and x4 = I4 - 1.
+
+    - ``energy(x1, x2, x4, p) -> float``: psi, kPa, zero at rest;
+    - ``gradient(x1, x2, x4, p) -> Gradient``;
+    - ``hessian(x1, x2, x4, p) -> Hessian``;
+
+    with I1 = tr C, I2 = (I1^2 - tr C^2)/2 and I4 = f0 . C f0. At rest the part in I1 and I2 is free of
+    stress by incompressibility; psi_4 has to be zero there.
+    """
+
+
+class PlaneStress(Material):
+    """A solid given by its plane energy w(trace, det, fibre), S^33 = 0 being solved already.
+
+    - ``energy(trace, det, fibre, p) -> float``: w, kPa, zero at rest;
+    - ``gradient(trace, det, fibre, p) -> Gradient``: the first and third are zero at rest;
+    - ``hessian(trace, det, fibre, p) -> Hessian``;
+    - ``thickness_stretch(trace, det, fibre, p) -> float``: lambda_3 that goes with it.
+    """
+
+    functions: ClassVar[tuple[str, ...]] = (*Material.functions, "thickness_stretch")
+
+
 class MaterialLaw(Protocol):
-    """The module of a material: scalar functions of the invariants; ``p`` are its constants."""
+    """The module of a material: scalar functions of three arguments; ``p`` are its constants."""
 
     MODEL: ClassVar[type[Material]]
 
-    def energy(self, i1: float, i2: float, i4: float, p: Any) -> float:
-        """psi, kPa."""
+    def energy(self, a: float, b: float, c: float, p: Any) -> float:
+        """Energy per reference volume, kPa."""
         ...
 
-    def gradient(self, i1: float, i2: float, i4: float, p: Any) -> Gradient:
+    def gradient(self, a: float, b: float, c: float, p: Any) -> Gradient:
         """Its first derivatives."""
         ...
 
-    def hessian(self, i1: float, i2: float, i4: float, p: Any) -> Hessian:
+    def hessian(self, a: float, b: float, c: float, p: Any) -> Hessian:
         """Its second derivatives."""
         ...
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from stages.configuration import quantity
-from stages.mechanics.materials.base import Gradient, Hessian, Material
+from stages.mechanics.materials.base import Gradient, Hessian, Incompressible
 
 
 class Constants(NamedTuple):
@@ -14,7 +14,7 @@ class Constants(NamedTuple):
     mu: float
 
 
-class NeoHookean(Material):
+class NeoHookean(Incompressible):
     """Parameters of eq. 88."""
 
     name: Literal["neo-hookean"] = "neo-hookean"
@@ -25,23 +25,23 @@ class NeoHookean(Material):
         return Constants(self.shear_modulus)
 
 
-def energy(i1: float, i2: float, i4: float, p: Constants) -> float:
+def energy(x1: float, x2: float, x4: float, p: Constants) -> float:
     """psi = mu/2 (I1 - 3), kPa (eq. 88).
 
     Examples
     --------
-    >>> energy(2.0**2 + 2 / 2.0, 0.0, 1.0, Constants(500.0))  # uniaxial stretch 2
+    >>> energy(2.0**2 + 2 / 2.0 - 3.0, 0.0, 0.0, Constants(500.0))  # uniaxial stretch 2
     500.0
     """
-    return 0.5 * p.mu * (i1 - 3.0)
+    return 0.5 * p.mu * x1
 
 
-def gradient(i1: float, i2: float, i4: float, p: Constants) -> Gradient:
+def gradient(x1: float, x2: float, x4: float, p: Constants) -> Gradient:
     """psi_1 = mu/2."""
     return 0.5 * p.mu, 0.0, 0.0
 
 
-def hessian(i1: float, i2: float, i4: float, p: Constants) -> Hessian:
+def hessian(x1: float, x2: float, x4: float, p: Constants) -> Hessian:
     """All zero: the energy is linear in I1."""
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 

@@ -6,8 +6,8 @@ import math
 from typing import Literal, NamedTuple
 
 from stages.configuration import quantity
-from stages.mechanics.materials.base import Gradient, Hessian, Material
-from stages.numerics.elementary import exp
+from stages.mechanics.materials.base import Gradient, Hessian, Incompressible
+from stages.numerics.elementary import expm1
 
 
 class Constants(NamedTuple):
@@ -18,7 +18,7 @@ class Constants(NamedTuple):
     a: float
 
 
-class NeoHookeanFibre(Material):
+class NeoHookeanFibre(Incompressible):
     """Parameters of eqs. 88 and 91."""
 
     name: Literal["neo-hookean-fibre"] = "neo-hookean-fibre"
@@ -31,34 +31,37 @@ class NeoHookeanFibre(Material):
         return Constants(self.shear_modulus, self.fibre_stiffness, self.fibre_exponent)
 
 
-def energy(i1: float, i2: float, i4: float, p: Constants) -> float:
-    """psi = mu/2 (I1 - 3) + E_p/a^2 (exp(a (l - 1)) - a (l - 1) - 1), l = sqrt(I4), kPa (eq. 91)."""
-    x = p.a * (math.sqrt(i4) - 1.0)
-    return 0.5 * p.mu * (i1 - 3.0) + p.e_p / p.a**2 * (exp(x) - x - 1.0)
+def energy(x1: float, x2: float, x4: float, p: Constants) -> float:
+    """psi = mu/2 (I1 - 3) + E_p/a^2 (exp(a (l - 1)) - a (l - 1) - 1), l = sqrt(I4), kPa (eq. 91).
+
+    The elongation l - 1 = (I4 - 1)/(l + 1) keeps its digits when it is small.
+    """
+    x = p.a * x4 / (math.sqrt(1.0 + x4) + 1.0)
+    return 0.5 * p.mu * x1 + p.e_p / p.a**2 * (expm1(x) - x)
 
 
-def gradient(i1: float, i2: float, i4: float, p: Constants) -> Gradient:
+def gradient(x1: float, x2: float, x4: float, p: Constants) -> Gradient:
     """psi_1 = mu/2; psi_4 = E_p/(2 a l) (exp(a (l - 1)) - 1), half the factor of eq. 92.
 
     Examples
     --------
     >>> p = Constants(0.767, 21.0, 5.5)
-    >>> gradient(3.0, 3.0, 1.0, p)
+    >>> gradient(0.0, 0.0, 0.0, p)
     (0.3835, 0.0, 0.0)
-    >>> round(2 * gradient(3.0, 3.0, 1.1**2, p)[2], 6)  # 21/(5.5 * 1.1) (e^0.55 - 1)
+    >>> round(2 * gradient(0.0, 0.0, 1.1**2 - 1, p)[2], 6)  # 21/(5.5 * 1.1) (e^0.55 - 1)
     2.545176
     """
-    stretch = math.sqrt(i4)
-    grown = exp(p.a * (stretch - 1.0))
-    return 0.5 * p.mu, 0.0, 0.5 * p.e_p / (p.a * stretch) * (grown - 1.0)
+    stretch = math.sqrt(1.0 + x4)
+    grown = expm1(p.a * x4 / (stretch + 1.0))
+    return 0.5 * p.mu, 0.0, 0.5 * (p.e_p / (p.a * stretch) * grown)
 
 
-def hessian(i1: float, i2: float, i4: float, p: Constants) -> Hessian:
+def hessian(x1: float, x2: float, x4: float, p: Constants) -> Hessian:
     """psi_44 = (E_p exp(a (l - 1)) - 2 psi_4) / (4 l^2), from d/dI4 = 1/(2 l) d/dl."""
-    stretch = math.sqrt(i4)
-    grown = exp(p.a * (stretch - 1.0))
-    slope = p.e_p / (p.a * stretch) * (grown - 1.0)
-    return 0.0, 0.0, 0.0, 0.0, 0.0, 0.25 / i4 * (p.e_p * grown - slope)
+    stretch = math.sqrt(1.0 + x4)
+    grown = expm1(p.a * x4 / (stretch + 1.0))
+    slope = p.e_p / (p.a * stretch) * grown
+    return 0.0, 0.0, 0.0, 0.0, 0.0, 0.25 / (1.0 + x4) * (p.e_p * (grown + 1.0) - slope)
 
 
 MODEL = NeoHookeanFibre
