@@ -112,6 +112,13 @@ class Deformation:
 
     The fibres are those at mid-depth of the topmost active layer, at the in-plane quadrature points
     (numbered as in :class:`StressSamples`).
+
+    Energies are since the start: ``strain_energy`` is the passive one, ``external_work`` that of loads and
+    moved supports, ``dissipated_energy`` what viscous damping took, and ``energy_imbalance`` = kinetic +
+    strain + dissipated - active and external work what the method made (or, negative, lost).
+    ``sub_steps`` is the number of time steps since the frame before, ``shortest_step`` the shortest of
+    them, and ``local_error`` the largest error that one of them added to a displacement, relative to
+    the film's diagonal.
     """
 
     stored_as: ClassVar[str] = "zarr"
@@ -122,7 +129,14 @@ class Deformation:
     acceleration: Array = array("mm/ms^2", "time", "control_point", "xyz")
     kinetic_energy: Array = array("kPa mm^3", "time")
     strain_energy: Array = array("kPa mm^3", "time")
+    active_work: Array = array("kPa mm^3", "time")
+    external_work: Array = array("kPa mm^3", "time")
+    dissipated_energy: Array = array("kPa mm^3", "time")
+    energy_imbalance: Array = array("kPa mm^3", "time")
     newton_iterations: Array = array("1", "time")
+    sub_steps: Array = array("1", "time")
+    shortest_step: Array = array("ms", "time")
+    local_error: Array = array("1", "time")
     fibre_stretch: Array = array("1", "time", "quadrature_point", stored="float32")
     active_stress: Array = array("kPa", "time", "quadrature_point", stored="float32")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
@@ -115,6 +115,20 @@ class MechanicsConfig(ShellConfig):
     )
     stiffness_damping: float = quantity(
         "ms", "damping per stiffness at rest (Rayleigh)", "sec. 3.2", ge=0
+    )
+    step_control: Literal["fixed", "adaptive"] = setting(
+        "time steps: n_steps equal ones, halved where Newton fails; or within each of them as many as "
+        "the error asks for",
+        default="fixed",
+    )
+    error_tolerance: float = setting(
+        "adaptive: accepted error that one step adds to any displacement, relative to the film's "
+        "diagonal",
+        gt=0,
+        default=1e-5,
+    )
+    max_substeps: int = setting(
+        "adaptive: the shortest step is duration / n_steps / max_substeps", ge=1, default=1000
     )
 
 

@@ -1,21 +1,22 @@
-"""Motion of the shell under a given activation: time stepping with halved steps (sec. 3.2)."""
+"""The film as a moving body: inertia, Rayleigh damping, supports, energies (sec. 3.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from stages.mechanics.active_part import active_force
 from stages.mechanics.body import Body
 from stages.mechanics.imposed import Imposed
 from stages.mechanics.shell import Shell
 from stages.numerics.bands import combined
 from stages.numerics.bsplines import Array
-from stages.numerics.halving import Advance, HalvedSteps
-from stages.numerics.newton import Linearisation, NewtonControls
+from stages.numerics.energy_balance import Forces
+from stages.numerics.integration import Travel
+from stages.numerics.newton import Linearisation
 from stages.numerics.sparse import SymmetricBand
-from stages.numerics.time_stepping import GeneralizedAlpha, Motion, StepWeights
+from stages.numerics.time_stepping import Motion, StepWeights
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,31 @@ class ShellDynamics:
         """What moves."""
         return self.body.shell
 
-    def at_rest(self) -> Motion:
-        """Undeformed shell without motion, a = 0."""
+    def at_rest(self, imposed: Imposed) -> Travel:
+        """Undeformed shell without motion, a = 0, and what acts then.
+
+        Raises
+        ------
+        ValueError
+            If a support is out of its place then.
+        """
+        for drive, moved in zip(self.body.constraints.drives, imposed.drives, strict=True):
+            if moved:
+                raise ValueError(
+                    f"support {drive.label!r} is {moved:g} times its motion away at t = 0, while the "
+                    f"film starts undeformed: choose a time law that begins with 0"
+                )
         zero = np.zeros(self.shell.size)
-        return Motion(zero, zero, zero)
+        return self.starting_from(Motion(zero, zero, zero), imposed)
 
-    def under(self, imposed: Imposed) -> LoadedShell:
-        """The problem of one step: the shell under what acts at t_alpha."""
-        return LoadedShell(self, imposed)
+    def starting_from(self, motion: Motion, imposed: Imposed) -> Travel:
+        """Beginning of a run from a given motion, whose displacement supports admit."""
+        here = self.between(imposed, imposed, 1.0)
+        return Travel.start(motion, here.forces(motion.displacement))
 
-    def energies(self, motion: Motion) -> tuple[float, float]:
-        """Kinetic and passive strain energy, kPa mm^3."""
-        silent = np.zeros(self.shell.points)
-        return self.kinetic_energy(motion), self.shell.respond(motion.displacement, silent).energy
+    def between(self, start: Imposed, end: Imposed, alpha_f: float) -> LoadedShell:
+        """The problem of one step: what acts at its start and at its end, and the weight of its end."""
+        return LoadedShell(self, start, end, start.towards(end, alpha_f))
 
     def kinetic_energy(self, motion: Motion) -> float:
         """v . M v / 2, kPa mm^3."""
@@ -62,16 +75,31 @@ class ShellDynamics:
 
 @dataclass(frozen=True)
 class LoadedShell:
-    """Balance of forces of the moving shell at one instant (eqs. 62, 64).
+    """Balance of forces of the moving shell over one step (eqs. 62, 64).
 
-    Supports that move are where they should be at the end of the step: the guess puts them there.
+    Attributes
+    ----------
+    dynamics
+        What moves.
+    start, end
+        What acts at t_i and t_{i+1}.
+    imposed
+        What acts at t_alpha, where the balance holds. The tension law takes the activation at the stretch
+        of t_alpha, so that a stress that depends on the stretch is implicit in the step.
     """
 
     dynamics: ShellDynamics
+    start: Imposed
+    end: Imposed
     imposed: Imposed
 
     def linearise(self, motion: Motion, weights: StepWeights) -> Linearisation:
-        """R = M a + C v + F_int(u) and its derivative by the new displacement."""
+        """R = M a + C v + F_int(u) - F_ext and its derivative by the new displacement.
+
+        Supports hold at t_{i+1}: they did at t_i, and what they ask for at t_alpha is linear in between.
+        A displacement that violates them is led to one that does not by the first full correction,
+        with the film following, as in :meth:`~stages.mechanics.body.Body.linearise`.
+        """
         dynamics, ties = self.dynamics, self.dynamics.body.ties
         balance = dynamics.body.balance(motion.displacement, self.imposed)
         force = dynamics.mass @ motion.acceleration + dynamics.damping @ motion.velocity
@@ -82,98 +110,40 @@ class LoadedShell:
             (weights.damping, dynamics.damping),
         )
         stiffness = float(np.abs(tangent.diagonal).max())
+        gap = None if balance.gap is None else balance.gap / weights.stiffness
+        if gap is not None:
+            force += tangent @ gap
 
         def solve(b: Array) -> Array:
-            return ties.expand(ties.reduce(tangent).factorise().solve(b))
+            x = ties.expand(ties.reduce(tangent).factorise().solve(b))
+            return x if gap is None else x + gap
 
         return Linearisation(ties.collect(force), solve, stiffness)
 
-
-@dataclass(frozen=True)
-class TimeStep:
-    """An output step or a part of one, with what acts at both of its ends.
-
-    Attributes
-    ----------
-    number
-        Number of the output step.
-    start, length
-        In ms.
-    """
-
-    number: int
-    start: float
-    length: float
-    old: Imposed
-    new: Imposed
-
-    remedy = "raise mechanics.n_steps, mechanics.max_halvings or mechanics.max_iterations"
-
-    @property
-    def place(self) -> str:
-        """Output step and time at its start."""
-        return f"step {self.number}, t = {self.start:g} ms"
-
-    @property
-    def extent(self) -> str:
-        """Its length."""
-        return f"{self.length:g} ms"
-
-    def halves(self) -> tuple[TimeStep, TimeStep]:
-        """Two steps of half the length; what acts is linear in between."""
-        half, middle = 0.5 * self.length, self.old.towards(self.new, 0.5)
-        return (
-            TimeStep(self.number, self.start, half, self.old, middle),
-            TimeStep(self.number, self.start + half, half, middle, self.new),
-        )
-
-
-@dataclass(frozen=True)
-class TimeLoop:
-    """Steps of equal output interval; one that fails is halved, and its parts recombined."""
-
-    dynamics: ShellDynamics
-    scheme: GeneralizedAlpha
-    controls: NewtonControls
-    step: float
-    max_halvings: int
-
-    def run(
-        self, imposed: Callable[[int], Imposed], motion: Motion, first: int, last: int
-    ) -> Iterator[Advance[Motion]]:
-        """Steps ``first + 1`` to ``last``, from ``motion`` at step ``first``.
-
-        ``imposed(i)`` is what acts at time i dt. The result depends on nothing else, so that a run may
-        stop after any step and go on later.
-
-        Raises
-        ------
-        UnsolvedStepError
-            If a step fails in spite of halving; the steps before it have been yielded.
-        """
-        steps = HalvedSteps(self._guesses, self._solve, self.max_halvings)
-        old = imposed(first)
-        for index in range(first + 1, last + 1):
-            new = imposed(index)
-            step = TimeStep(index, (index - 1) * self.step, self.step, old, new)
-            result = steps.advance(motion, step)
-            yield result
-            motion, old = result.state, new
-
-    def _guesses(self, motion: Motion, step: TimeStep) -> Iterator[Array]:
-        """Displacements to start from.
-
-        To go on at the old velocity takes 3 to 5 iterations. A film that stops or turns within one step
-        overshoots and is stretched by that; to stay where it was takes 4 to 7, and rarely fails.
-        """
+    def forces(self, displacement: Array) -> Forces:
+        """Forces with what acts at the end of the step."""
         body = self.dynamics.body
-        onward = body.admissible(motion.displacement + step.length * motion.velocity, step.new)
-        yield onward
-        staying = body.admissible(motion.displacement, step.new)
-        if not np.array_equal(onward, staying):
-            yield staying
+        response = body.shell.respond(displacement, self.end.activation)
+        active = active_force(body.shell, response.frames, self.end.activation)
+        external = body.external_force(displacement, self.end)
+        return Forces(response.force, active, external, response.energy)
 
-    def _solve(self, motion: Motion, step: TimeStep, guess: Array) -> tuple[Motion, int]:
-        problem = self.dynamics.under(step.old.towards(step.new, self.scheme.alpha_f))
-        moved, solution = self.scheme.step(problem, motion, step.length, guess, self.controls)
-        return moved, solution.iterations
+    def inertia(self, acceleration: Array) -> Array:
+        """M a."""
+        return self.dynamics.mass @ acceleration
+
+    def viscous(self, velocity: Array) -> Array:
+        """C v."""
+        return self.dynamics.damping @ velocity
+
+    def work_of_supports(self, force: Array, increment: Array) -> float:
+        """Work along the motion that supports prescribe; the rest of the increment is free."""
+        if not self.end.drives.size:
+            return 0.0
+        motion = self.dynamics.body.ties.offsets @ (self.end.drives - self.start.drives)
+        return float(force @ motion)
+
+    def size(self, error: Array) -> float:
+        """Largest component of a displacement error relative to the film's diagonal."""
+        free = np.where(self.dynamics.body.ties.dependent, 0.0, error)
+        return float(np.abs(free).max() / self.dynamics.shell.extent)

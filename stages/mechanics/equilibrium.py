@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.mechanics.body import Body
-from stages.mechanics.dynamics import TimeStep
 from stages.mechanics.imposed import Imposed
+from stages.mechanics.time_step import TimeStep
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import Advance, HalvedSteps
 from stages.numerics.newton import NewtonControls, newton

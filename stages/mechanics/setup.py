@@ -7,10 +7,12 @@ import numpy as np
 from stages.artefacts import Laminate, StressSamples
 from stages.mechanics.body import Body
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig, ShellConfig
-from stages.mechanics.dynamics import ShellDynamics, TimeLoop
+from stages.mechanics.dynamics import ShellDynamics
 from stages.mechanics.equilibrium import QuasiStatics
 from stages.mechanics.rigid import check_is_held
 from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.time_loop import TimeLoop
+from stages.numerics.integration import Integrator
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
 from stages.numerics.time_stepping import GeneralizedAlpha
@@ -28,12 +30,15 @@ def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Tim
     dynamics = ShellDynamics.build(
         body, damping=config.damping, stiffness_damping=config.stiffness_damping
     )
+    adaptive = config.step_control == "adaptive"
+    scheme = GeneralizedAlpha.damping_to(config.spectral_radius)
     return TimeLoop(
         dynamics,
-        GeneralizedAlpha.damping_to(config.spectral_radius),
-        controls_of(config, body.shell),
+        Integrator(scheme, controls_of(config, body.shell), shifts=adaptive),
         config.step,
         config.max_halvings,
+        config.error_tolerance if adaptive else None,
+        config.max_substeps,
     )
 
 

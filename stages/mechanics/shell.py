@@ -92,9 +92,7 @@ class Shell:
             What the tension law turns into sigma_a, kPa, per in-plane quadrature point; each layer
             takes it times its activity. Shape ``(point,)``.
         """
-        position = self.patch.control_points.reshape(-1, 3) + displacement.reshape(-1, 3)
-        frames = Frames.empty(self.points)
-        compute_frames(self.basis, position, frames)
+        frames = self.frames(displacement)
         resultants = Resultants.zeros(self.points)
         activation = np.ascontiguousarray(activation, dtype=float)
         for points, add in zip(self.layers, self._add, strict=True):
@@ -103,6 +101,17 @@ class Shell:
         assemble_force(self.basis, self.weights, frames, resultants, force)
         energy = float(self.weights @ resultants.energy)
         return ShellResponse(force.ravel(), energy, frames, resultants)
+
+    def frames(self, displacement: Array) -> Frames:
+        """Frames of the mid-surface at the quadrature points."""
+        position = self.patch.control_points.reshape(-1, 3) + displacement.reshape(-1, 3)
+        frames = Frames.empty(self.points)
+        compute_frames(self.basis, position, frames)
+        return frames
+
+    def fibre_stretch(self, displacement: Array) -> Array:
+        """lambda_f at the gauge of :attr:`fibres`, shape ``(point,)``."""
+        return self.fibres.stretch(self.reference, self.frames(displacement))
 
     def tangent(self, response: ShellResponse) -> SymmetricBand:
         """Tangent stiffness K_int of that configuration (eq. 48)."""

@@ -9,12 +9,11 @@ from stages.artefacts import Deformation, Equilibria, Laminate, MidSurface, Stre
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 
 if TYPE_CHECKING:
-    from stages.mechanics.dynamics import TimeLoop
     from stages.mechanics.equilibrium import QuasiStatics, Rest
     from stages.mechanics.imposed import Imposed
+    from stages.mechanics.time_loop import Arrival, TimeLoop
     from stages.numerics.bsplines import Array
     from stages.numerics.halving import Advance
-    from stages.numerics.time_stepping import Motion
 
 
 @stage
@@ -29,9 +28,11 @@ def mechanics(
     """Motion of the film from rest, step by step (secs. 3.1-3.2)."""
     import numpy as np
 
+    from stages.mechanics.resumption import packed, unpacked
     from stages.mechanics.setup import build_loop, check_inputs
+    from stages.mechanics.time_loop import Arrival
+    from stages.numerics.step_control import Control
     from stages.numerics.time_series import FrameReader
-    from stages.numerics.time_stepping import Motion
 
     loop = build_loop(config, mid_surface.patch, laminate)
     check_inputs(config, mid_surface.patch, stress)
@@ -41,46 +42,38 @@ def mechanics(
         Deformation,
         frames=config.n_steps + 1,
         shapes={
-            "displacement": vector,
-            "velocity": vector,
-            "acceleration": vector,
-            "kinetic_energy": (),
-            "strain_energy": (),
-            "newton_iterations": (),
-            "fibre_stretch": points,
-            "active_stress": points,
+            **dict.fromkeys(("displacement", "velocity", "acceleration"), vector),
+            **dict.fromkeys(("fibre_stretch", "active_stress"), points),
+            **dict.fromkeys(_SCALARS, ()),
         },
     )
     activation = FrameReader(stress.active_stress)
+
+    def imposed(frame: int) -> Imposed:
+        return body.imposed_at(frame * config.step, activation(frame))
+
     saved = run.resume()
     if saved is None:
-        motion, halved = loop.dynamics.at_rest(), 0
-        _append_motion(history, loop, motion, activation(0), iterations=0)
+        halved, start = 0, loop.dynamics.at_rest(imposed(0))
+        travel, control = start, Control(config.step)
+        _append_motion(history, loop, Arrival(start, control, 0, 0), activation(0))
     else:
-        motion = Motion(saved["displacement"], saved["velocity"], saved["acceleration"])
+        travel, control = unpacked(saved)
         halved = int(saved["halved_steps"])
-    steps = loop.run(
-        lambda i: body.imposed_at(i * config.step, activation(i)),
-        motion,
-        first=history.frames_done - 1,
-        last=config.n_steps,
-    )
-    for result in steps:
-        motion = result.state
+    first = history.frames_done - 1
+    for arrival in loop.run(imposed, travel, first, config.n_steps, control):
         done = history.frames_done
-        _append_motion(history, loop, motion, activation(done), result.iterations)
-        if result.halvings:
+        _append_motion(history, loop, arrival, activation(done))
+        if arrival.halvings:
             halved += 1
             run.warn(
                 f"time step {done} (to t = {done * config.step:g} ms) converged only in parts of "
-                f"{config.step / 2**result.halvings:g} ms"
+                f"{config.step / 2**arrival.halvings:g} ms"
             )
         run.progress(done, config.n_steps)
         run.checkpoint(
-            lambda motion=motion, halved=halved: {  # type: ignore[misc]  # defaults bind the loop
-                "displacement": motion.displacement,
-                "velocity": motion.velocity,
-                "acceleration": motion.acceleration,
+            lambda arrival=arrival, halved=halved: {  # type: ignore[misc]  # defaults bind the loop
+                **packed(arrival.travel, arrival.control),
                 "halved_steps": halved,
             }
         )
@@ -159,23 +152,42 @@ def equilibrium(
     return history.finish(time=np.arange(config.n_steps + 1) * config.step)
 
 
+_SCALARS = (
+    "kinetic_energy",
+    "strain_energy",
+    "active_work",
+    "external_work",
+    "dissipated_energy",
+    "energy_imbalance",
+    "newton_iterations",
+    "sub_steps",
+    "shortest_step",
+    "local_error",
+)
+"""Fields of a deformation that have one number for each frame."""
+
+
 def _append_motion(
-    history: History[Deformation],
-    loop: TimeLoop,
-    motion: Motion,
-    activation: Array,
-    iterations: int,
+    history: History[Deformation], loop: TimeLoop, arrival: Arrival, activation: Array
 ) -> None:
-    shell = loop.dynamics.shell
-    response = shell.respond(motion.displacement, activation)
-    stretch = shell.fibres.stretch(shell.reference, response.frames)
+    shell, travel = loop.dynamics.shell, arrival.travel
+    motion, works, tally = travel.motion, travel.works, travel.tally
+    kinetic, strain = loop.dynamics.kinetic_energy(motion), travel.forces.strain_energy
+    stretch = shell.fibre_stretch(motion.displacement)
     history.append(
         displacement=motion.displacement.reshape(-1, 3),
         velocity=motion.velocity.reshape(-1, 3),
         acceleration=motion.acceleration.reshape(-1, 3),
-        kinetic_energy=loop.dynamics.kinetic_energy(motion),
-        strain_energy=response.energy,
-        newton_iterations=float(iterations),
+        kinetic_energy=kinetic,
+        strain_energy=strain,
+        active_work=works.activation,
+        external_work=works.external,
+        dissipated_energy=works.dissipated,
+        energy_imbalance=works.imbalance(kinetic, strain),
+        newton_iterations=float(arrival.iterations),
+        sub_steps=float(tally.steps),
+        shortest_step=min(tally.shortest, loop.step),
+        local_error=tally.error,
         fibre_stretch=stretch,
         active_stress=shell.fibres.stress(activation, stretch),
     )

@@ -46,6 +46,20 @@ def travelling_wave() -> ActivationHistory:
     )
 
 
+DEFORMATION_SCALARS = (
+    "kinetic_energy",
+    "strain_energy",
+    "active_work",
+    "external_work",
+    "dissipated_energy",
+    "energy_imbalance",
+    "newton_iterations",
+    "sub_steps",
+    "shortest_step",
+    "local_error",
+)
+
+
 def rolling_film(time: Array) -> Deformation:
     """Curvature 0.3/mm * t/t_end at every time, first flat."""
     points = FILM.evaluate(*(space.greville() for space in FILM.spaces))
@@ -61,11 +75,9 @@ def rolling_film(time: Array) -> Deformation:
         displacement=np.stack(frames),
         velocity=zeros,
         acceleration=zeros,
-        kinetic_energy=scalars,
-        strain_energy=scalars,
-        newton_iterations=scalars,
         fibre_stretch=scalars[:, None],
         active_stress=scalars[:, None],
+        **dict.fromkeys(DEFORMATION_SCALARS, scalars),
     )
 
 

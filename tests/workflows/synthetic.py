@@ -80,6 +80,4 @@ def _rolled(film: Patch, time: np.ndarray, stress: np.ndarray) -> Deformation:
         frames.append((film.interpolate(bent).control_points - film.control_points).reshape(-1, 3))
     zeros, scalars = np.zeros((time.size, film.size, 3)), np.zeros(time.size)
     fibres = np.zeros((time.size, 9 * film.first.elements * film.second.elements))
-    return Deformation(
-        time, np.stack(frames), zeros, zeros, scalars, scalars, scalars, 1.0 + fibres, fibres
-    )
+    return Deformation(time, np.stack(frames), zeros, zeros, *10 * (scalars,), 1.0 + fibres, fibres)
