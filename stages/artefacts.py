@@ -76,6 +76,14 @@ class FilmGeometry:
 
 
 @dataclass(frozen=True)
+class ShellGeometry:
+    """The same without cells: what a shell alone needs."""
+
+    mid_surface: MidSurface
+    laminate: Laminate
+
+
+@dataclass(frozen=True)
 class ActivationHistory:
     """Potential and active stress at the collocation points over time (eqs. 10, 11, 85).
 
@@ -163,6 +171,27 @@ class Equilibria:
     unstable_directions: Array = array("1", "time")
     fibre_stretch: Array = array("1", "time", "quadrature_point", stored="float32")
     active_stress: Array = array("kPa", "time", "quadrature_point", stored="float32")
+
+
+@dataclass(frozen=True)
+class ShapeMeasures:
+    """What an experimenter would read off a film under imposed activation, over time.
+
+    ``tip`` is the displacement of the middle of the free edge, ``turning`` the largest angle between
+    two tangents of the mid-axis, ``mean_active_stress`` a mean over the film.
+    """
+
+    probe_names: tuple[str, ...]
+    time: Array = array("ms", "time")
+    probe_points: Array = array("mm", "probe", "xyz")
+    displacement: Array = array("mm", "time", "probe", "xyz")
+    fibre_stretch: Array = array("1", "time", "probe")
+    active_stress: Array = array("kPa", "time", "probe")
+    tip: Array = array("mm", "time", "xyz")
+    projected_length: Array = array("mm", "time")
+    curvature: Array = array("1/mm", "time")
+    turning: Array = array("degree", "time")
+    mean_active_stress: Array = array("kPa", "time")
 
 
 @dataclass(frozen=True)

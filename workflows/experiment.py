@@ -8,7 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stages.artefacts import ActivationHistory, Deformation, FilmGeometry, Measures
+    from stages.artefacts import (
+        ActivationHistory,
+        Deformation,
+        Equilibria,
+        Measures,
+        ShapeMeasures,
+    )
 
 
 @dataclass(frozen=True)
@@ -27,8 +33,8 @@ class Experiment:
     load: Callable[[str], Any]
 
     @cached_property
-    def geometry(self) -> FilmGeometry:
-        """Surfaces and lay-up of the film."""
+    def geometry(self) -> Any:
+        """Surfaces and lay-up of the film: a ``FilmGeometry``, without cells a ``ShellGeometry``."""
         return self.load("geometry")
 
     @cached_property
@@ -37,11 +43,16 @@ class Experiment:
         return self.load("electrophysiology")
 
     @cached_property
-    def deformation(self) -> Deformation:
-        """Motion of the shell over time."""
+    def deformation(self) -> Deformation | Equilibria:
+        """Shapes of the shell over time."""
         return self.load("mechanics")
 
     @cached_property
     def measures(self) -> Measures:
-        """Probe series, curvature and beats."""
+        """Probe series, curvature and beats of a film with cells."""
+        return self.load("postprocessing")
+
+    @cached_property
+    def shape(self) -> ShapeMeasures:
+        """Probe series and curvature of a film under imposed activation."""
         return self.load("postprocessing")

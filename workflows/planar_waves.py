@@ -19,6 +19,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurren
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
+from workflows.film_checks import extent, interval, places_off_the_film
 from workflows.tables import exact
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -53,13 +54,7 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
             f"electrophysiology.duration = {exact(covered)} ms ends before mechanics.duration = "
             f"{exact(needed)} ms: the film would move without knowing its active stress"
         )
-    extent = f"{_interval((0, film.length))} x {_interval((0, film.width))} mm"
-    for name, (x, y) in measured.probes.items():
-        if not (0 <= x <= film.length and 0 <= y <= film.width):
-            yield (
-                f"postprocessing.probes.{name} = ({exact(x)}, {exact(y)}) mm lies outside the film "
-                f"{extent}"
-            )
+    yield from places_off_the_film(film, measured)
     for stimulus in config.electrophysiology.stimuli:
         if isinstance(stimulus, PatchCurrent) and not (
             stimulus.x[0] >= 0
@@ -69,23 +64,15 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
         ):
             yield (
                 "electrophysiology.stimuli: the stimulated rectangle "
-                f"{_interval(stimulus.x)} x {_interval(stimulus.y)} mm reaches outside the film "
-                f"{extent}"
+                f"{interval(stimulus.x)} x {interval(stimulus.y)} mm reaches outside the film "
+                f"{extent(film)}"
             )
-    if measured.mid_axis > film.width:
-        yield (
-            f"postprocessing.mid_axis = {exact(measured.mid_axis)} mm lies outside the film {extent}"
-        )
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (
-            f"postprocessing.velocity_window = {_interval(window)} mm reaches outside the film "
-            f"{extent}"
+            f"postprocessing.velocity_window = {interval(window)} mm reaches outside the film "
+            f"{extent(film)}"
         )
-
-
-def _interval(ends: tuple[float, float]) -> str:
-    return f"[{exact(ends[0])}, {exact(ends[1])}]"
 
 
 def plan(config: PlanarWavesConfig) -> Mapping[str, Node[Any]]:

@@ -27,6 +27,16 @@ class Entry:
 
 ENTRIES = (
     Entry(
+        "curling",
+        "workflows.curling",
+        "a film curls slowly under an imposed activation (section 4.1, Figs 3-5)",
+    ),
+    Entry(
+        "twitch",
+        "workflows.twitch",
+        "a film swings under one pulse of an imposed activation (section 4.2, Figs 6 and 7)",
+    ),
+    Entry(
         "planar-waves",
         "workflows.planar_waves",
         "electrical waves S1 and S2 cross a film and make it beat (section 4.3, Figs 8 and 9)",

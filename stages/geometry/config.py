@@ -54,6 +54,13 @@ class MeshConfig(Section):
     degree: int = setting("polynomial degree; 2 or more, since C1 is needed", ge=2)
 
 
+class ShellGeometryConfig(Section):
+    """What a film without cells needs: itself, and the shell's mesh."""
+
+    film: FilmConfig
+    shell_mesh: MeshConfig
+
+
 class GeometryStageConfig(Section):
     """All that the geometry stage needs: the film, and the mesh of each sub-problem."""
 

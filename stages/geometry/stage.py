@@ -1,10 +1,10 @@
-"""Stage `geometry`: from the film's measures to the refined surfaces and the lay-up."""
+"""Stages `geometry` and `shell_geometry`: from the film's measures to refined surfaces and lay-up."""
 
 from __future__ import annotations
 
 from pipeline.nodes import stage
-from stages.artefacts import FilmGeometry
-from stages.geometry.config import GeometryStageConfig
+from stages.artefacts import FilmGeometry, ShellGeometry
+from stages.geometry.config import GeometryStageConfig, ShellGeometryConfig
 
 
 @stage
@@ -21,3 +21,12 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
         mid_surface=shell_mid_surface(base, config.shell_mesh),
         laminate=two_layers(config.film),
     )
+
+
+@stage
+def shell_geometry(config: ShellGeometryConfig) -> ShellGeometry:
+    """Refined mid-surface of the shell and the film's layers, where no cells need a surface."""
+    from stages.geometry.films import flat_film, shell_mid_surface, two_layers
+
+    base = flat_film(config.film)
+    return ShellGeometry(shell_mid_surface(base, config.shell_mesh), two_layers(config.film))

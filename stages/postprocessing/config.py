@@ -1,33 +1,36 @@
-"""Configuration of the measures taken on the beating film."""
+"""Configuration of the measures taken on the moving film."""
 
 from __future__ import annotations
 
 import re
+from typing import Literal, TypeAlias
 
 from pydantic import field_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Section, quantity
 
+Place: TypeAlias = tuple[float, float] | Literal["centre", "tip", "corner"]
+"""A point (X, Y) in mm, or one that follows the film: its centre, the middle or the end of X = L1."""
 
-class PostprocessingConfig(Section):
-    """Where an experimenter would look: probes, the mid-axis, the window of the front speed."""
 
-    probes: dict[str, tuple[float, float]] = quantity(
-        "mm", "points (X, Y) of the undeformed film that are followed, by name", "sec. 4.3, Fig. 9"
+class ShapeConfig(Section):
+    """Where an experimenter would look: probes, and the mid-axis."""
+
+    probes: dict[str, Place] = quantity(
+        "mm",
+        "points of the undeformed film that are followed, by name: (X, Y), or centre, tip, corner",
+        "sec. 4.3, Fig. 9",
     )
-    mid_axis: float = quantity(
-        "mm", "Y of the line along which the film's projection is measured", "eq. 101, Fig. 2", ge=0
-    )
-    velocity_window: tuple[float, float] = quantity(
-        "mm", "from which X to which X the front is timed, along the mid-axis", "this project"
+    mid_axis: float | Literal["middle"] = quantity(
+        "mm",
+        "Y of the line along which the film's projection is measured; middle: half the width",
+        "eq. 101, Fig. 2",
     )
 
     @field_validator("probes")
     @classmethod
-    def _names_fit_a_table_heading(
-        cls, probes: dict[str, tuple[float, float]]
-    ) -> dict[str, tuple[float, float]]:
+    def _names_fit_a_table_heading(cls, probes: dict[str, Place]) -> dict[str, Place]:
         if not probes:
             raise PydanticCustomError("no_probes", "name at least one probe")
         for name in probes:
@@ -39,6 +42,21 @@ class PostprocessingConfig(Section):
                     {"name": repr(name)},
                 )
         return dict(sorted(probes.items()))  # the order is not part of the key
+
+    @field_validator("mid_axis")
+    @classmethod
+    def _axis_is_on_the_film(cls, axis: float | Literal["middle"]) -> float | Literal["middle"]:
+        if axis != "middle" and axis < 0:
+            raise PydanticCustomError("mid_axis", "must be at least 0 mm, or middle")
+        return axis
+
+
+class PostprocessingConfig(ShapeConfig):
+    """The same, and the window of the front speed."""
+
+    velocity_window: tuple[float, float] = quantity(
+        "mm", "from which X to which X the front is timed, along the mid-axis", "this project"
+    )
 
     @field_validator("velocity_window")
     @classmethod

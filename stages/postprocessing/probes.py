@@ -2,12 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.surface_geometry import locate
 from stages.numerics.time_series import StoredFrames, TimeSeries, blocks
+from stages.postprocessing.config import Place
+
+NAMED_PLACES = {"centre": (0.5, 0.5), "tip": (1.0, 0.5), "corner": (1.0, 1.0)}
+"""Parameters of the points that follow the film when its length or width changes."""
+
+
+def place_parameters(film: Patch, places: Iterable[Place]) -> Array:
+    """Parameters of probes, given by name or by (X, Y); shape ``(probes, 2)``.
+
+    Raises
+    ------
+    ValueError
+        If a point lies outside the film.
+    """
+    rows = [
+        np.array(NAMED_PLACES[place])
+        if isinstance(place, str)
+        else probe_parameters(film, np.array([place]))[0]
+        for place in places
+    ]
+    return np.array(rows)
+
+
+def axis_parameter(film: Patch, axis: float | str) -> float:
+    """Parameter theta2 of the line Y = ``axis`` (mm) along X; ``"middle"``: half the width."""
+    if isinstance(axis, str):
+        return 0.5
+    return float(probe_parameters(film, np.array([(0.0, axis)]))[0, 1])
 
 
 def probe_parameters(film: Patch, points: Array) -> Array:

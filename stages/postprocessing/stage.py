@@ -1,16 +1,18 @@
-"""Stage `postprocessing`: from the histories to what an experimenter would read off the film."""
+"""Stages `postprocessing` and `shape`: from histories to what an experimenter reads off the film."""
 
 from __future__ import annotations
 
-from pipeline.nodes import stage
+from pipeline.nodes import StageRun, stage
 from stages.artefacts import (
     ActivationHistory,
     Deformation,
+    Equilibria,
     ExcitableSurface,
     Measures,
     MidSurface,
+    ShapeMeasures,
 )
-from stages.postprocessing.config import PostprocessingConfig
+from stages.postprocessing.config import PostprocessingConfig, ShapeConfig
 
 
 @stage
@@ -25,3 +27,20 @@ def postprocessing(
     from stages.postprocessing.measures import take_measures
 
     return take_measures(config, history, surface, mid_surface, deformation)
+
+
+@stage
+def shape(
+    config: ShapeConfig,
+    mid_surface: MidSurface,
+    deformation: Equilibria | Deformation,
+    *,
+    run: StageRun,
+) -> ShapeMeasures:
+    """Probe series, projected length and curvature of a film without cells of its own."""
+    from stages.postprocessing.shapes import measure_shapes, self_contact
+
+    measures = measure_shapes(config, mid_surface, deformation)
+    for warning in self_contact(measures):
+        run.warn(warning)
+    return measures

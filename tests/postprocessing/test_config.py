@@ -27,8 +27,8 @@ def test_the_order_in_which_probes_are_named_does_not_matter() -> None:
         ({"probes": {}}, "at least one probe"),
         ({"probes": {"A.x": (1.0, 1.0)}}, "must start with a letter"),
         ({"velocity_window": (2.5, 1.0)}, "from a smaller to a larger X"),
-        ({"mid_axis": -1.0}, "greater than or equal to 0"),
-        ({"mid_axis": "middle"}, "valid number"),
+        ({"mid_axis": -1.0}, "at least 0 mm"),
+        ({"mid_axis": "centre"}, "valid number"),
     ],
 )
 def test_a_wrong_value_is_refused_with_its_reason(change: dict[str, object], message: str) -> None:

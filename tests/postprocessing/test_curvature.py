@@ -7,12 +7,12 @@ import pytest
 
 from stages.numerics.bsplines import SplineSpace
 from stages.numerics.patches import Patch
+from stages.postprocessing.axis import follow_axis
 from stages.postprocessing.curvature import (
     arc_length,
     curvature_from_projection,
     widest_point,
 )
-from stages.postprocessing.measures import projected_lengths
 
 LENGTH = 3.5
 
@@ -75,20 +75,19 @@ def test_a_film_without_projection_is_refused() -> None:
 def test_the_curvature_of_a_rolled_film_is_measured_on_its_spline(degrees: float) -> None:
     film = Patch.rectangle(LENGTH, 2.0).refine(2, (50, 10))
     curvature = np.deg2rad(degrees) / LENGTH
-    projected, length = projected_lengths(film, rolled(film, curvature)[None], theta2=0.5)
-    assert length == pytest.approx(LENGTH, rel=1e-14)  # Gauss rule, exact on a straight line
-    found = curvature_from_projection(projected[0], length)
+    axis = follow_axis(film, rolled(film, curvature)[None], theta2=0.5)
     # Quadratic interpolation errs by about (h k)^3/15 of the radius with h k = 0.1 at 300 degrees:
     # 7e-5; 1 - x/L = (kL)^2/6 = 0.02 at 20 degrees magnifies its error of 1e-8 by 25.
-    assert found == pytest.approx(curvature, rel=1e-4)
+    assert axis.curvature[0] == pytest.approx(curvature, rel=1e-4)
+    # The tangents at the ends err by about (h k)^2/6, and h k = 0.1 at 300 degrees.
+    assert axis.turning[0] == pytest.approx(degrees, abs=np.rad2deg(4e-3))
 
 
 def test_the_curvature_follows_a_rolling_film_without_jumps() -> None:
     film = Patch.rectangle(LENGTH, 2.0).refine(2, (50, 10))
     curvatures = np.linspace(0.6, 0.7, 41)  # the widest point moves over several elements
     frames = np.stack([rolled(film, k) for k in curvatures])
-    projected, length = projected_lengths(film, frames, theta2=0.5)
-    found = np.array([curvature_from_projection(x, length) for x in projected])
+    found = follow_axis(film, frames, theta2=0.5).curvature
     # Smooth to second differences: sampling at 4 points per element would leave kinks of 2e-4.
     assert np.abs(np.diff(found, 2)).max() < 2e-6
 

@@ -42,6 +42,7 @@ class Desk:
     """A store, a file of parameters, and room for output folders."""
 
     folder: Path
+    workflow: str = "planar-waves"
 
     @property
     def store(self) -> Path:
@@ -56,7 +57,7 @@ class Desk:
     def call(self, command: str, *more: object) -> Result:
         """Command on the small experiment with this store."""
         where = ("--config", self.config, "--store", self.store)
-        return invoke(command, "planar-waves", *where, *more)
+        return invoke(command, self.workflow, *where, *more)
 
     def run(self, out: str, *more: object, command: str = "run") -> dict[str, Any]:
         """Summary of a run that must succeed."""

@@ -14,7 +14,7 @@ import pytest
 
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
-from workflows.exports import paraview, probes
+from workflows.exports import paraview, probes, vtkhdf
 from workflows.exports.files import ExportError, replacing
 from workflows.exports.sampling import FilmGrid
 
@@ -77,7 +77,7 @@ def test_the_paraview_file_is_the_same_every_time(experiment: Experiment, tmp_pa
 def test_cells_turn_counter_clockwise_seen_from_above(experiment: Experiment) -> None:
     grid = FilmGrid.square(experiment, 24)
     x, y = grid.reference.reshape(-1, 3)[:, :2].T
-    corners = paraview.quads(grid.shape)
+    corners = vtkhdf.quads(grid.shape)
     ahead = np.roll(corners, -1, axis=1)
     area = 0.5 * (x[corners] * y[ahead] - x[ahead] * y[corners]).sum(axis=1)
     assert (area > 0).all()

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from stages.numerics.bsplines import Array, SplineSpace
+from stages.numerics.projection import GaussProjection
 from workflows.experiment import Experiment
 
 
@@ -77,6 +78,17 @@ class FilmGrid:
         """Field at the grid, shape ``(n1, n2)``, from values at the collocation points (eq. 86)."""
         first, second = self._cells
         return first @ collocation_values.reshape(first.shape[1], second.shape[1]) @ second.T
+
+    def gauss_field(self, values: Array) -> Array:
+        """Field at the grid, shape ``(n1, n2)``, from values at the shell's Gauss points."""
+        return self._gauss.on_grid(values)
+
+    @cached_property
+    def _gauss(self) -> GaussProjection:
+        patch = self.experiment.geometry.mid_surface.patch
+        values = self.experiment.deformation.fibre_stretch.shape[1]
+        at = (_grid(space, n) for space, n in zip(patch.spaces, self.shape, strict=True))
+        return GaussProjection.onto(patch, values, *at)
 
 
 def _grid(space: SplineSpace, count: int) -> Array:

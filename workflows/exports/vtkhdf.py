@@ -1,0 +1,134 @@
+"""A deformed film over time as one VTKHDF file.
+
+Quadrilaterals on a fixed grid of material points; points and fields change with time, the cells are
+stored once. Open the file in ParaView 5.12 or newer and press play.
+
+References
+----------
+VTK file formats, "VTKHDF file format", unstructured grids with temporal data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TypeAlias
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.numerics.bsplines import Array
+from workflows.exports.files import replacing
+from workflows.exports.sampling import FilmGrid
+
+VTK_QUAD = 9
+
+Field: TypeAlias = Callable[[float], Array]
+"""Values at a time, ms: at the control points, or at the grid."""
+
+
+def write_film(
+    path: Path, grid: FilmGrid, time: Array, displacement: Field, scalars: Mapping[str, Field]
+) -> None:
+    """Write the film at some times.
+
+    The file is put together in memory: HDF5 crashes when it closes a file on a full disk.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    grid
+        Points that are shown.
+    time
+        ms, shape ``(frames,)``.
+    displacement
+        Of the control points, mm, shape ``(control point, 3)``.
+    scalars
+        Fields at the grid by name, shape ``(n1, n2)``.
+    """
+    with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
+        _write_series(file, grid, time, displacement, scalars)
+        file.flush()
+        image = file.id.get_file_image()
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
+
+
+def quads(shape: tuple[int, int]) -> NDArray[np.int64]:
+    """Corners of each cell of a grid, counter-clockwise, shape ``(cells, 4)``.
+
+    Examples
+    --------
+    >>> quads((2, 3)).tolist()
+    [[0, 3, 4, 1], [1, 4, 5, 2]]
+    """
+    index = np.arange(shape[0] * shape[1], dtype=np.int64).reshape(shape)
+    corners = (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+    return np.stack([corner.ravel() for corner in corners], axis=-1)
+
+
+def _write_series(
+    file: h5py.File, grid: FilmGrid, time: Array, displacement: Field, scalars: Mapping[str, Field]
+) -> None:
+    n_points, n_frames = grid.shape[0] * grid.shape[1], time.size
+    root = file.create_group("VTKHDF")
+    root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
+    root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
+    _write_cells(root, quads(grid.shape), n_points)
+    _write_steps(root, time, n_points, ("displacement", *scalars))
+
+    points = _per_frame(root, "Points", n_frames, n_points, 3)
+    data = root.create_group("PointData")
+    moved = _per_frame(data, "displacement", n_frames, n_points, 3)
+    fields = {name: _per_frame(data, name, n_frames, n_points) for name in scalars}
+    for frame, t in enumerate(time):
+        rows = slice(frame * n_points, (frame + 1) * n_points)
+        at_grid = grid.displacement(displacement(t))
+        points[rows] = (grid.reference + at_grid).reshape(-1, 3)
+        moved[rows] = at_grid.reshape(-1, 3)
+        for name, field in scalars.items():
+            fields[name][rows] = field(t).ravel()
+
+
+def _write_cells(root: h5py.Group, corners: NDArray[np.int64], n_points: int) -> None:
+    """One part: its sizes, the corners of all cells, where each cell starts, and their kind."""
+    root.create_dataset("NumberOfPoints", data=np.array([n_points], dtype=np.int64))
+    root.create_dataset("NumberOfCells", data=np.array([len(corners)], dtype=np.int64))
+    root.create_dataset("NumberOfConnectivityIds", data=np.array([corners.size], dtype=np.int64))
+    root.create_dataset("Connectivity", data=corners.ravel())
+    root.create_dataset("Offsets", data=4 * np.arange(len(corners) + 1, dtype=np.int64))
+    root.create_dataset("Types", data=np.full(len(corners), VTK_QUAD, dtype=np.uint8))
+
+
+def _write_steps(root: h5py.Group, time: Array, n_points: int, fields: tuple[str, ...]) -> None:
+    """Where each frame starts: points and fields move on, the part and its cells stay."""
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = np.int64(time.size)
+    steps.create_dataset("Values", data=time)
+    stay = np.zeros(time.size, dtype=np.int64)
+    move = n_points * np.arange(time.size, dtype=np.int64)
+    steps.create_dataset("PartOffsets", data=stay)
+    steps.create_dataset("NumberOfParts", data=np.ones(time.size, dtype=np.int64))
+    steps.create_dataset("PointOffsets", data=move)
+    steps.create_dataset("CellOffsets", data=stay[:, None])
+    steps.create_dataset("ConnectivityIdOffsets", data=stay[:, None])
+    offsets = steps.create_group("PointDataOffsets")
+    for name in fields:
+        offsets.create_dataset(name, data=move)
+
+
+def _per_frame(
+    group: h5py.Group, name: str, n_frames: int, n_points: int, *components: int
+) -> h5py.Dataset:
+    """Data set of all frames, one chunk per frame; single precision is what a screen can show."""
+    return group.create_dataset(
+        name,
+        shape=(n_frames * n_points, *components),
+        dtype=np.float32,
+        chunks=(n_points, *components),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+    )
