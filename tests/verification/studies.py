@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from pipeline.threads import one_blas_thread
 from stages.artefacts import StudyTable
 from workflows.request import Request
 from workflows.verification.catalogue import find
@@ -14,7 +15,8 @@ def table_of(name: str, *settings: str) -> StudyTable:
     study = find(name)
     overrides = [f"{study.section}.{setting}" for setting in settings]
     config: Any = Request.read("verification", overrides=overrides).config
-    return study.stage.compute(getattr(config, study.section))
+    with one_blas_thread():  # as in a run
+        return study.stage.compute(getattr(config, study.section))
 
 
 def broken_limits(name: str, table: StudyTable) -> list[str]:
