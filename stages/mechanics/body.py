@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import numpy as np
 from stages.mechanics.constraints import Constraints, constrain
 from stages.mechanics.forces.base import Force
 from stages.mechanics.imposed import Imposed
+from stages.mechanics.loads.base import Load
 from stages.mechanics.shell import Shell, ShellResponse
 from stages.mechanics.supports.base import Support
 from stages.numerics.bands import Band, GeneralBand
@@ -47,9 +48,20 @@ class Body:
     loads: tuple[AppliedLoad, ...] = ()
 
     @classmethod
-    def held(cls, shell: Shell, supports: Mapping[str, Support]) -> Body:
-        """A shell on its supports, without loads."""
-        return cls(shell, constrain(shell.patch, supports))
+    def held(
+        cls,
+        shell: Shell,
+        supports: Mapping[str, Support],
+        loads: Mapping[str, Load] | None = None,
+    ) -> Body:
+        """A shell on its supports, under loads by label.
+
+        Raises
+        ------
+        ValueError
+            If a support or a load does not fit the film.
+        """
+        return cls(shell, constrain(shell.patch, supports), tuple(_applied(shell, loads or {})))
 
     @property
     def ties(self) -> Ties:
@@ -142,6 +154,16 @@ class Body:
 
     def _position(self, displacement: Array) -> Array:
         return self.shell.patch.control_points.reshape(-1, 3) + displacement.reshape(-1, 3)
+
+
+def _applied(shell: Shell, loads: Mapping[str, Load]) -> Iterator[AppliedLoad]:
+    """Loads in the order of their labels."""
+    for label, load in sorted(loads.items()):
+        try:
+            force = load.on(shell.patch, shell.basis.points)
+        except ValueError as error:
+            raise ValueError(f"load {label!r} ({load.kind}): {error}") from error
+        yield AppliedLoad(label, force, load.time_law)
 
 
 @dataclass(frozen=True)

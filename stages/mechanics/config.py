@@ -8,12 +8,14 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, Section, quantity, setting
+from stages.mechanics.loads.base import Load
 from stages.mechanics.materials.base import Material
 from stages.mechanics.supports.base import Support
 from stages.mechanics.tension_laws.base import TensionLaw
 
 AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
 AnyTensionLaw = Annotated[TensionLaw, OneOf("stages.mechanics.tension_laws", TensionLaw)]
+AnyLoad = Annotated[Load, OneOf("stages.mechanics.loads", Load, tag="kind")]
 AnySupport = Annotated[Support, OneOf("stages.mechanics.supports", Support, tag="kind")]
 
 
@@ -31,6 +33,11 @@ class ShellConfig(Section):
     duration: float = quantity("ms", "simulated time", "sec. 4.3", gt=0)
     supports: dict[str, AnySupport] = setting(
         "how the film is held: a table for each support, under any label", "sec. 4.1"
+    )
+    loads: dict[str, AnyLoad] = setting(
+        "what loads the film besides its muscle: a table for each load, under any label",
+        "eq. 47",
+        default_factory=dict,
     )
     substrate: AnyMaterial = setting("material of the layer `substrate`", "Table 1, eq. 94")
     active: AnyMaterial = setting("material of the layer `active`", "Table 1, eq. 95")

@@ -11,6 +11,7 @@ from stages.mechanics.relations import Points, weighted
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import EDGES
 from stages.numerics.patches import Patch
+from stages.numerics.quadrature import gauss_on_spans
 from stages.numerics.surface_geometry import frame_on_grid
 from stages.numerics.ties import Relation
 
@@ -57,23 +58,17 @@ def control_rows(patch: Patch, edge: str) -> tuple[Points, Points]:
     return rows[edge]
 
 
-def edge_parameters(patch: Patch, edge: str, along: Array) -> tuple[Array, Array]:
-    """Parameters (theta1, theta2) of points of an edge, as the two lists of a tensor grid."""
-    space = patch.first if edge.startswith("X") else patch.second
-    fixed = space.knots[[0 if edge.endswith("=0") else -1]]
-    return (fixed, along) if edge.startswith("X") else (along, fixed)
-
-
-def edge_frame(patch: Patch, edge: str, along: Array | None = None) -> EdgeFrame:
-    """Frame at parameters of an edge; by default at the Greville points of its control points."""
-    direction = 1 if edge.startswith("X") else 0
-    parameters = patch.spaces[direction].greville() if along is None else along
-    frame = frame_on_grid(patch, *edge_parameters(patch, edge, parameters))
-    tangent = frame.tangents[:, direction]
+def edge_frame(patch: Patch, edge: str) -> EdgeFrame:
+    """Frame at the Greville points of an edge's control points."""
+    across = across_direction(edge)
+    theta = [space.greville() for space in patch.spaces]
+    theta[across] = theta[across][[0 if is_start(edge) else -1]]
+    frame = frame_on_grid(patch, *theta)
+    tangent = frame.tangents[:, 1 - across]
     tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
     inward = np.cross(frame.normal, tangent)
-    across = frame.tangents[:, 1 - direction] * (1.0 if edge.endswith("=0") else -1.0)
-    inward *= np.sign(np.einsum("px,px->p", inward, across))[:, None]
+    away = frame.tangents[:, across] * (1.0 if is_start(edge) else -1.0)
+    inward *= np.sign(np.einsum("px,px->p", inward, away))[:, None]
     return EdgeFrame(tangent, inward, frame.normal)
 
 
@@ -127,3 +122,38 @@ def symmetry_plane(patch: Patch, edge: str) -> tuple[Array, Array, Array]:
     one = axes[0] - (axes[0] @ normal) * normal
     one = one / np.linalg.norm(one)
     return normal, one, np.cross(normal, one)
+
+
+def across_direction(edge: str) -> int:
+    """Parametric direction (0 or 1) that leads away from an edge."""
+    return 0 if edge.startswith("X") else 1
+
+
+def is_start(edge: str) -> bool:
+    """Whether an edge is the start of the direction that leads across it."""
+    return edge.endswith("=0")
+
+
+def edge_quadrature(patch: Patch, edge: str, points: int) -> tuple[Array, Array]:
+    """Gauss points (theta1, theta2) of an edge, and weights times ds of the undeformed edge, mm.
+
+    Raises
+    ------
+    ValueError
+        If the edge has no length.
+    """
+    direction = 1 - across_direction(edge)
+    along, weights = (a.ravel() for a in gauss_on_spans(patch.spaces[direction].breaks, points))
+    fixed = np.full_like(along, patch.spaces[1 - direction].knots[0 if is_start(edge) else -1])
+    theta = np.stack((fixed, along) if direction == 1 else (along, fixed), axis=1)
+    tangents = patch.evaluate_points(theta, (0, 1) if direction == 1 else (1, 0))
+    lengths = weights * np.linalg.norm(tangents, axis=1)
+    if not lengths.min() > FLAT * float(np.ptp(patch.control_points)):
+        raise ValueError(f"the edge {edge} has no length: nothing can act along it")
+    return theta, lengths
+
+
+def edge_integrals(patch: Patch, edge: str, points: int) -> Array:
+    """Integral of each basis function along an edge of the undeformed film, mm, ``(control point,)``."""
+    theta, lengths = edge_quadrature(patch, edge, points)
+    return np.asarray(lengths @ patch.functions(theta))

@@ -21,7 +21,23 @@ def functions_over(patch: Patch, position: tuple[float, float]) -> Array:
         If (X, Y) lies outside the film.
     """
     shadow = patch.with_net(patch.control_points * np.array([1.0, 1.0, 0.0]))
-    theta = locate(shadow, np.array([[*position, 0.0]]))
-    functions = np.asarray(patch.functions(theta)[0])
+    return functions_at(patch, tuple(locate(shadow, np.array([[*position, 0.0]]))[0]))
+
+
+def functions_at(patch: Patch, parameters: tuple[float, float]) -> Array:
+    """Basis functions at (theta1, theta2), shape ``(control point,)``.
+
+    Raises
+    ------
+    ValueError
+        If the parameters lie outside the patch.
+    """
+    for theta, space in zip(parameters, patch.spaces, strict=True):
+        if not space.knots[0] <= theta <= space.knots[-1]:
+            raise ValueError(
+                f"the parameter {theta:g} lies outside the patch, which runs from "
+                f"{space.knots[0]:g} to {space.knots[-1]:g}"
+            )
+    functions = np.asarray(patch.functions(np.array([parameters]))[0])
     functions[np.abs(functions) < NEGLIGIBLE] = 0.0
     return functions / functions.sum()

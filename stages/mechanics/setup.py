@@ -56,14 +56,25 @@ def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -
 
 
 def body_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Body:
-    """The configured shell with its supports."""
-    return Body.held(shell_of(config, patch, laminate), config.supports)
+    """The configured shell with its supports and loads.
+
+    Raises
+    ------
+    ValueError
+        If nothing would move it, or a support or load does not fit it.
+    """
+    body = Body.held(shell_of(config, patch, laminate), config.supports, config.loads)
+    active = any(layer.active for layer in laminate.layers)
+    if not active and not body.loads and not body.constraints.drives:
+        raise ValueError(
+            "nothing would move the film: no layer of it is active (geometry.layers), nothing loads it "
+            "(mechanics.loads), and no support moves (mechanics.supports)"
+        )
+    return body
 
 
 def shell_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Shell:
     """Shell with the configured materials, matched to the layers by name."""
-    if not any(layer.active for layer in laminate.layers):
-        raise ValueError("no layer of the film is active: nothing would move it")
     return build_shell(
         patch,
         laminate,

@@ -1,0 +1,1 @@
+"""Loads, one kind per file, picked by ``kind``."""
