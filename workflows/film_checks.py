@@ -1,10 +1,12 @@
-"""What contradicts between the film and the places on it, in words."""
+"""What contradicts between the film, its materials and the places on it, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
 
 from stages.geometry.config import FilmConfig
+from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
 from workflows.tables import exact
 
@@ -23,6 +25,24 @@ def places_off_the_film(film: FilmConfig, measured: ShapeConfig) -> Iterator[str
     axis = measured.mid_axis
     if not isinstance(axis, str) and axis > film.width:
         yield f"postprocessing.mid_axis = {exact(axis)} mm lies outside the film {extent(film)}"
+
+
+def unusable_layers(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
+    """Layers of an unknown material, or none that an activation could act in."""
+    for i, layer in enumerate(film.layers):
+        if layer.material not in shell.all_materials:
+            near = get_close_matches(layer.material, shell.all_materials, n=1, cutoff=0.3)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            yield (
+                f"geometry.layers.{i} ({layer.name}): no material is called {layer.material!r}{hint} "
+                f"(there are: {', '.join(sorted(shell.all_materials))}; further ones are tables "
+                f"mechanics.materials.NAME)"
+            )
+    if not any(layer.activity for layer in film.lay_up):
+        yield (
+            "geometry.layers: no layer is active, so nothing would move the film: give one an "
+            "activity above 0"
+        )
 
 
 def extent(film: FilmConfig) -> str:

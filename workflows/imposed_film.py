@@ -17,7 +17,7 @@ from stages.configuration import Section
 from stages.geometry.config import FilmConfig, MeshConfig, ShellGeometryConfig
 from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
-from workflows.film_checks import places_off_the_film
+from workflows.film_checks import places_off_the_film, unusable_layers
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
@@ -33,8 +33,12 @@ class ImposedFilmConfig(Section):
     postprocessing: ShapeConfig
 
     @model_validator(mode="after")
-    def _places_are_on_the_film(self) -> ImposedFilmConfig:
-        for problem in places_off_the_film(self.geometry, self.postprocessing):
+    def _sections_fit_together(self) -> ImposedFilmConfig:
+        problems = (
+            *unusable_layers(self.geometry, self.mechanics),
+            *places_off_the_film(self.geometry, self.postprocessing),
+        )
+        for problem in problems:
             raise PydanticCustomError("misfit", "{problem}", {"problem": problem})
         return self
 

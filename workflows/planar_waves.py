@@ -19,7 +19,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurren
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
-from workflows.film_checks import extent, interval, places_off_the_film
+from workflows.film_checks import extent, interval, places_off_the_film, unusable_layers
 from workflows.tables import exact
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -55,6 +55,7 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
             f"{exact(needed)} ms: the film would move without knowing its active stress"
         )
     yield from places_off_the_film(film, measured)
+    yield from unusable_layers(film, config.mechanics)
     for stimulus in config.electrophysiology.stimuli:
         if isinstance(stimulus, PatchCurrent) and not (
             stimulus.x[0] >= 0

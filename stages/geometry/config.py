@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
@@ -11,8 +13,29 @@ THICKEST = 0.2
 """Of the smaller side: beyond it Kirchhoff and Love's assumption (sec. 2.2) has no meaning."""
 
 
+class LayerConfig(Section):
+    """One layer of a film that is not the paper's; a passive one may leave fibres and activity out."""
+
+    name: str = setting("what the layer is called in messages and results", "eqs. 34-35")
+    material: str = setting(
+        "its material: substrate, active, or a name in mechanics.materials", "eqs. 34-35"
+    )
+    thickness: float = quantity("mm", "thickness of the layer", "eqs. 34-35", gt=0)
+    fibre_angle: float | None = quantity(
+        "degree",
+        "angle of its fibres from the X axis; none: geometry.fibre_angle",
+        "eq. 38",
+        ge=-180,
+        le=180,
+        default=None,
+    )
+    activity: float = quantity(
+        "", "factor on the activation; 0: the layer is passive", "eq. 37", ge=0, default=0.0
+    )
+
+
 class FilmConfig(Section):
-    """Flat rectangular film of two layers, clamped at X = 0 (sec. 4.1, Fig. 2)."""
+    """Flat rectangular film: of two layers (sec. 4.1, Fig. 2), or of the layers listed."""
 
     length: float = quantity("mm", "length L1 of the film, along X", "sec. 4.1", gt=0)
     width: float = quantity("mm", "width L2 of the film, along Y", "sec. 4.1", gt=0)
@@ -26,12 +49,50 @@ class FilmConfig(Section):
         "degree", "angle of the muscle fibres from the X axis", "sec. 4.1, 4.3", ge=-180, le=180
     )
 
+    layers: tuple[LayerConfig, ...] = setting(
+        "layers from bottom to top, in place of the two; none: substrate below, active above",
+        "eqs. 34-35",
+        default=(),
+    )
+
+    @property
+    def lay_up(self) -> tuple[LayerConfig, ...]:
+        """Layers from bottom to top, with every fibre angle told."""
+        if self.layers:
+            return tuple(
+                layer.model_copy(update={"fibre_angle": self.fibre_angle})
+                if layer.fibre_angle is None
+                else layer
+                for layer in self.layers
+            )
+        angle = self.fibre_angle
+        passive, muscle = self.substrate_thickness, self.active_thickness
+        return (
+            LayerConfig(
+                name="substrate", material="substrate", thickness=passive, fibre_angle=angle
+            ),
+            LayerConfig(
+                name="active", material="active", thickness=muscle, fibre_angle=angle, activity=1.0
+            ),
+        )
+
+    @model_validator(mode="after")
+    def _layers_have_names(self) -> FilmConfig:
+        names = [layer.name for layer in self.layers]
+        for name in names:
+            if names.count(name) > 1:
+                raise PydanticCustomError(
+                    "layer_names",
+                    "{count} layers are called {name}: give each layer its own name",
+                    {"count": names.count(name), "name": repr(name)},
+                )
+        return self
+
     @model_validator(mode="after")
     def _is_thin(self) -> FilmConfig:
         """A shell is thin; a thickness in micrometres that was meant but not said is not."""
-        for name in ("substrate_thickness", "active_thickness"):
-            thickness, side = getattr(self, name), min(self.length, self.width)
-            if thickness > THICKEST * side:
+        for name, thickness in self._thicknesses():
+            if thickness > THICKEST * min(self.length, self.width):
                 raise PydanticCustomError(
                     "not_thin",
                     "{name} = {thickness} mm is not thin beside a film of {length} x {width} mm: at most "
@@ -45,6 +106,16 @@ class FilmConfig(Section):
                     },
                 )
         return self
+
+    def _thicknesses(self) -> Iterator[tuple[str, float]]:
+        """What must be thin, by the names that a user knows: each layer, then all together."""
+        if self.layers:
+            for i, layer in enumerate(self.layers):
+                yield f"layers.{i}.thickness ({layer.name})", layer.thickness
+        else:
+            yield "substrate_thickness", self.substrate_thickness
+            yield "active_thickness", self.active_thickness
+        yield "total thickness", sum(layer.thickness for layer in self.lay_up)
 
 
 class MeshConfig(Section):

@@ -13,13 +13,18 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
 
     The three parts are kept apart, so that another fibre angle leaves the electrophysiology alone.
     """
-    from stages.geometry.films import active_mid_surface, flat_film, shell_mid_surface, two_layers
+    from stages.geometry.films import (
+        active_mid_surface,
+        flat_film,
+        laminate_of,
+        shell_mid_surface,
+    )
 
     base = flat_film(config.film)
     return FilmGeometry(
         excitable_surface=active_mid_surface(base, config.film, config.excitable_mesh),
         mid_surface=shell_mid_surface(base, config.shell_mesh),
-        laminate=two_layers(config.film),
+        laminate=laminate_of(config.film),
     )
 
 

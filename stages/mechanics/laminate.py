@@ -13,6 +13,7 @@ from stages.mechanics.kinematics import Frames
 from stages.mechanics.materials.base import Material
 from stages.numerics.bsplines import Array
 from stages.numerics.quadrature import gauss
+from stages.numerics.surface_geometry import SurfaceFrame
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class LayerPoints:
     reference
         G^11 G^22 G^12, 1/det G_ab, f0^a f0^b (11, 22, 12): the fields of
         :class:`~stages.mechanics.material_point.PlaneReference`, shape ``(point, depth, 7)``.
+    thin
+        Whether the metric is that of the mid-surface at every depth.
     """
 
     layer: Layer
@@ -37,6 +40,7 @@ class LayerPoints:
     depth: Array
     weights: Array
     reference: Array
+    thin: bool = False
 
 
 def points_through(
@@ -88,11 +92,11 @@ def points_through(
         table = np.stack(
             [reference_at_depth(reference, fibre, 0.0 if thin else z) for z in depth], axis=1
         )
-        layers.append(LayerPoints(layer, materials[layer.material], depth, weights, table))
+        layers.append(LayerPoints(layer, materials[layer.material], depth, weights, table, thin))
     return tuple(layers)
 
 
-def fibre_direction(layer: Layer, reference: Frames) -> Array:
+def fibre_direction(layer: Layer, reference: Frames | SurfaceFrame) -> Array:
     """f0: the direction at ``fibre_angle`` from X in the X-Y plane, projected on the film, unit.
 
     Raises

@@ -24,7 +24,7 @@ def build_loop(config: MechanicsConfig, patch: Patch, laminate: Laminate) -> Tim
     Raises
     ------
     ValueError
-        If the laminate has a layer without material, or no active layer.
+        If the laminate has a layer without material.
     """
     body = body_of(config, patch, laminate)
     dynamics = ShellDynamics.build(
@@ -48,7 +48,7 @@ def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -
     Raises
     ------
     ValueError
-        If the laminate has a layer without material, or no active layer.
+        If the laminate has a layer without material.
     """
     body = body_of(config, patch, laminate)
     check_is_held(body)
@@ -96,7 +96,9 @@ def controls_of(config: ShellConfig, shell: Shell) -> NewtonControls:
     )
 
 
-def check_inputs(config: ShellConfig, patch: Patch, stress: StressSamples) -> None:
+def check_inputs(
+    config: ShellConfig, patch: Patch, laminate: Laminate, stress: StressSamples
+) -> None:
     """Mesh, quadrature and time grid of the inputs are those of the configuration.
 
     Raises
@@ -125,4 +127,10 @@ def check_inputs(config: ShellConfig, patch: Patch, stress: StressSamples) -> No
         raise ValueError(
             f"active stress is given at {stress.active_stress.shape[1]} points, but the shell "
             f"integrates over {points}: use {config.points_per_element} points per element"
+        )
+    if not any(layer.active for layer in laminate.layers) and np.any(stress.active_stress[...]):
+        names = ", ".join(repr(layer.name) for layer in laminate.layers)
+        raise ValueError(
+            f"no layer of the film is active, so the activation would move nothing: give one of "
+            f"{names} an activity above 0, or no activation"
         )

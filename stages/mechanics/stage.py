@@ -35,7 +35,7 @@ def mechanics(
     from stages.numerics.time_series import FrameReader
 
     loop = build_loop(config, mid_surface.patch, laminate)
-    check_inputs(config, mid_surface.patch, stress)
+    check_inputs(config, mid_surface.patch, laminate, stress)
     body = loop.dynamics.body
     vector, points = (mid_surface.patch.size, 3), (body.shell.points,)
     history = run.stream(
@@ -102,7 +102,7 @@ def equilibrium(
     from stages.numerics.time_series import FrameReader
 
     statics = build_statics(config, mid_surface.patch, laminate)
-    check_inputs(config, mid_surface.patch, stress)
+    check_inputs(config, mid_surface.patch, laminate, stress)
     body = statics.body
     points = (body.shell.points,)
     history = run.stream(

@@ -7,6 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
+from stages.geometry.films import active_depth, laminate_of
 from stages.geometry.stage import geometry
 
 FILM = FilmConfig(
@@ -68,3 +69,58 @@ def test_degree_one_is_refused() -> None:
 def test_micrometres_taken_for_millimetres_are_noticed() -> None:
     with pytest.raises(ValidationError, match=r'substrate_thickness = 18 mm.*write "18 um"'):
         FilmConfig(**FILM.model_dump() | {"substrate_thickness": 18.0})
+
+
+SKIN = {"name": "skin", "material": "substrate", "thickness": 0.002}
+MUSCLE = {"name": "muscle", "material": "active", "thickness": 0.004, "activity": 1.0}
+BASE = {"name": "base", "material": "gel", "thickness": 0.010, "fibre_angle": 0.0}
+
+
+def layered(*layers: dict[str, object]) -> FilmConfig:
+    return FilmConfig.model_validate(FILM.model_dump() | {"layers": layers})
+
+
+def test_a_film_may_have_any_layers() -> None:
+    film = layered(BASE, MUSCLE, {**MUSCLE, "name": "lower", "activity": 0.5}, SKIN)
+    made = geometry.compute(config().model_copy(update={"film": film})).laminate
+    assert [layer.name for layer in made.layers] == ["base", "muscle", "lower", "skin"]
+    assert [layer.material for layer in made.layers] == ["gel", "active", "active", "substrate"]
+    assert [layer.fibre_angle for layer in made.layers] == [0.0, 45.0, 45.0, 45.0]
+    assert [layer.activity for layer in made.layers] == [0.0, 1.0, 0.5, 0.0]
+    assert made.thickness == pytest.approx(0.020, rel=1e-15)  # one sum
+
+
+def test_the_cells_sit_in_the_middle_of_the_topmost_active_layer() -> None:
+    """Base 10, muscle 4, skin 2 um: the muscle's middle lies 12 um above the bottom, 4 above d/2."""
+    film = layered(BASE, MUSCLE, SKIN)
+    made = geometry.compute(config().model_copy(update={"film": film}))
+    centre = made.excitable_surface.patch.evaluate([0.5], [0.5])
+    np.testing.assert_allclose(centre, [[1.75, 1.0, 0.004]], rtol=0, atol=2e-15)  # as above
+
+
+def test_the_papers_film_listed_as_layers_is_the_papers_film() -> None:
+    below = {"name": "substrate", "material": "substrate", "thickness": 0.018}
+    above = {"name": "active", "material": "active", "thickness": 0.004, "activity": 1.0}
+    assert laminate_of(layered(below, above)) == laminate_of(FILM)
+
+
+def test_a_film_without_active_layer_has_no_place_for_cells() -> None:
+    with pytest.raises(ValueError, match=r"give one of 'base', 'skin' an activity above 0"):
+        active_depth(laminate_of(layered(BASE, SKIN)))
+
+
+@pytest.mark.parametrize(
+    ("layers", "problem"),
+    [
+        ([{**SKIN, "thickness": 0.0}], r"layers.0.thickness\n.*greater than 0"),
+        ([{**SKIN, "thickness": 18.0}], r'layers.0.thickness \(skin\) = 18 mm.*write "18 um"'),
+        ([{**SKIN, "thickness": 0.3}, {**BASE, "thickness": 0.3}], "total thickness = 0.6 mm"),
+        ([SKIN, SKIN], "2 layers are called 'skin'"),
+        ([{**MUSCLE, "activity": -1.0}], r"layers.0.activity\n.*greater than or equal to 0"),
+    ],
+)
+def test_layers_that_make_no_film_are_refused(
+    layers: list[dict[str, object]], problem: str
+) -> None:
+    with pytest.raises(ValidationError, match=problem):
+        layered(*layers)

@@ -54,6 +54,32 @@ def refused(result: Result, *parts: str) -> None:
             ["stimulated rectangle [3, 4] x [0, 1] mm", "outside the film"],
         ),
         ("mechanics.plane_points=1", ["plane_points 1 is too few for degree 2"]),
+        (
+            'geometry.layers=[{name="a", material="substrat", thickness="9 um", activity=1.0}]',
+            [
+                "geometry.layers.0 (a)",
+                "'substrat'; did you mean 'substrate'?",
+                "mechanics.materials",
+            ],
+        ),
+        (
+            'geometry.layers=[{name="a", material="substrate", thickness="9 um"}]',
+            ["no layer is active", "activity above 0"],
+        ),
+        (
+            'geometry.layers=[{name="a", material="active", thickness=-0.009, activity=1.0}]',
+            ["geometry.layers.0.thickness = -0.009", "greater than 0"],
+        ),
+        (
+            'geometry.layers=[{name="a", material="active", thickness=9, activity=1.0}]',
+            ["layers.0.thickness (a) = 9 mm", '"9 um"'],
+        ),
+        ("mechanics.materials.skin=neo-hokean", ["mechanics.materials.skin", "'neo-hookean'?"]),
+        (
+            'mechanics.materials.active={name="neo-hookean", density=1.0, shear_modulus=1.0}',
+            ["materials.active is taken", "as mechanics.active"],
+        ),
+        ("mechanics.tension_law=length-dependend", ["did you mean 'length-dependent'?"]),
         ("geometry.length=nan", ["geometry.length", "finite"]),
         ("mechanics.damping", ["SECTION.KEY=VALUE", "'mechanics.damping'"]),
     ],
