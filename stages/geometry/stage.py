@@ -31,7 +31,7 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
 @stage
 def shell_geometry(config: ShellGeometryConfig) -> ShellGeometry:
     """Refined mid-surface of the shell and the film's layers, where no cells need a surface."""
-    from stages.geometry.films import flat_film, shell_mid_surface, two_layers
+    from stages.geometry.films import flat_film, laminate_of, shell_mid_surface
 
     base = flat_film(config.film)
-    return ShellGeometry(shell_mid_surface(base, config.shell_mesh), two_layers(config.film))
+    return ShellGeometry(shell_mid_surface(base, config.shell_mesh), laminate_of(config.film))
