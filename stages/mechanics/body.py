@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,8 @@ from stages.mechanics.constraints import Constraints, constrain
 from stages.mechanics.forces.base import Force
 from stages.mechanics.imposed import Imposed
 from stages.mechanics.loads.base import Load
+from stages.mechanics.prediction import predict_resultants
+from stages.mechanics.resultants import Resultants
 from stages.mechanics.shell import Shell, ShellResponse
 from stages.mechanics.supports.base import Support
 from stages.numerics.bands import Band, GeneralBand
@@ -176,6 +178,8 @@ class Balance:
         Of the shell.
     force
         R before constraints, shape ``(dof,)``: the reactions, where it is in equilibrium.
+    resultants
+        Forces and moments of its geometric stiffness, where they are not those of ``response``.
     """
 
     body: Body
@@ -183,11 +187,22 @@ class Balance:
     imposed: Imposed
     response: ShellResponse
     force: Array
+    resultants: Resultants | None = None
 
     @cached_property
     def tangent(self) -> Band:
         """dR/du before constraints."""
-        return self.body.tangent_of(self.response, self.displacement, self.imposed)
+        response = self.response
+        if self.resultants is not None:
+            response = replace(response, resultants=self.resultants)
+        return self.body.tangent_of(response, self.displacement, self.imposed)
+
+    def after(self, correction: Array, imposed: Imposed) -> Balance:
+        """Balance after a correction, whose geometric stiffness has the forces that this one predicts."""
+        force, moment = predict_resultants(self.body.shell, self.response, correction)
+        balance = self.body.balance(self.displacement + correction, imposed)
+        predicted = balance.response.resultants._replace(force=force, moment=moment)
+        return replace(balance, resultants=predicted)
 
     @cached_property
     def reduced(self) -> Band:
@@ -209,6 +224,8 @@ class Balance:
     @property
     def unstable_directions(self) -> int:
         """Negative pivots of the reduced tangent, of its symmetric part where a load follows."""
+        if self.factor.positive_definite:
+            return 0
         return negative_pivots(self.reduced.symmetric_part())
 
     def linearisation(self) -> Linearisation:

@@ -141,3 +141,10 @@ class MechanicsConfig(ShellConfig):
 
 class EquilibriumConfig(ShellConfig):
     """Shell in equilibrium at every instant: its loading is so slow that nothing swings."""
+
+    initial_increment: float = setting(
+        "first load step, relative to the interval between two stored shapes; later ones adapt",
+        gt=0,
+        le=1,
+        default=1.0,
+    )

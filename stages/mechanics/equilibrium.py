@@ -1,117 +1,26 @@
-"""Quasi-static equilibrium under a growing activation, by load increments (eqs. 45, 52)."""
+"""Quasi-static equilibrium of the film, frame by frame in adaptive load steps (eqs. 45, 52)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from stages.mechanics.body import Body
 from stages.mechanics.imposed import Imposed
-from stages.mechanics.time_step import TimeStep
+from stages.mechanics.loading import Loading
 from stages.numerics.bsplines import Array
-from stages.numerics.halving import Advance, HalvedSteps
-from stages.numerics.newton import NewtonControls, newton
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """Equilibrium at one fraction of the activation.
-
-    Attributes
-    ----------
-    factor
-        Fraction of the full activation.
-    displacement
-        Control displacements, mm, shape ``(dof,)``.
-    slope
-        d(displacement)/d(factor) over the last increment; the next guess follows it.
-    """
-
-    factor: float
-    displacement: Array
-    slope: Array
-
-
-@dataclass(frozen=True)
-class Increment:
-    """The way from one fraction of the activation to a higher one."""
-
-    start: float
-    end: float
-
-    remedy = "use more increments"
-
-    @property
-    def width(self) -> float:
-        """Difference of the two fractions."""
-        return self.end - self.start
-
-    @property
-    def place(self) -> str:
-        """Fraction up to which equilibria were found."""
-        return f"{self.start:.4g} of the activation"
-
-    @property
-    def extent(self) -> str:
-        """Its width."""
-        return f"{self.width:.2g} of the activation"
-
-    def halves(self) -> tuple[Increment, Increment]:
-        """Two increments of half the width."""
-        middle = self.start + 0.5 * self.width
-        return Increment(self.start, middle), Increment(middle, self.end)
-
-
-@dataclass(frozen=True)
-class LoadPath:
-    """Equilibria of a body at equal fractions of what acts on it.
-
-    Parameters
-    ----------
-    body
-        The film with its supports and loads.
-    target
-        What acts in full.
-    increments
-        Number of fractions; Newton's basin is small on thin films (10 or more up to 10 kPa).
-    controls
-        Newton's tolerances.
-    max_halvings
-        How often an increment that fails may be halved.
-    """
-
-    body: Body
-    target: Imposed
-    increments: int
-    controls: NewtonControls
-    max_halvings: int
-
-    def follow(self) -> Iterator[Advance[Equilibrium]]:
-        """Equilibria at 1/n, 2/n, ..., 1; each is yielded before the next one is sought.
-
-        Raises
-        ------
-        UnsolvedStepError
-            If an increment fails in spite of halving; those before it have been yielded.
-        """
-        increments = HalvedSteps(self._guesses, self._solve, self.max_halvings)
-        zero = np.zeros(self.body.shell.size)
-        last = Equilibrium(0.0, zero, zero)
-        for index in range(1, self.increments + 1):
-            result = increments.advance(last, Increment(last.factor, index / self.increments))
-            yield result
-            last = result.state
-
-    def _guesses(self, last: Equilibrium, part: Increment) -> tuple[Array]:
-        return (last.displacement + part.width * last.slope,)
-
-    def _solve(self, last: Equilibrium, part: Increment, guess: Array) -> tuple[Equilibrium, int]:
-        imposed = self.body.nothing().towards(self.target, part.end)
-        solution = newton(lambda u: self.body.linearise(u, imposed), guess, self.controls)
-        slope = (solution.x - last.displacement) / part.width
-        return Equilibrium(part.end, solution.x, slope), solution.iterations
+from stages.numerics.newton import Iteration, NewtonControls, NewtonError, SingularTangentError
+from stages.numerics.sparse import SingularMatrixError
+from stages.numerics.stepping import (
+    Attempt,
+    PathEndError,
+    PathPoint,
+    StepControls,
+    follow,
+    ignore,
+)
 
 
 @dataclass(frozen=True)
@@ -126,16 +35,73 @@ class Rest:
         Its change per ms of loading over the last part of the way to it.
     work
         What loads and moved supports have done since the unloaded film, kPa mm^3.
+    step
+        Load step that Newton's method is up to, ms; infinite at the start.
     """
 
     displacement: Array
     rate: Array
     work: float
+    step: float = np.inf
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Equilibrium at a frame.
+
+    Attributes
+    ----------
+    state
+        The shape.
+    iterations
+        Newton iterations since the last frame, failed attempts included.
+    smallest_step
+        Shortest load step since the last frame, ms.
+    """
+
+    state: Rest
+    iterations: int
+    smallest_step: float
+
+
+class UnreachedShapeError(Exception):
+    """The film has no equilibrium nearby beyond some instant, or none was found.
+
+    Attributes
+    ----------
+    place
+        Frame that was wanted.
+    history
+        Iterations of the last attempt.
+    remedy
+        What to try, and how to have the shapes up to there.
+    """
+
+    def __init__(self, number: int, step: float, end: PathEndError) -> None:
+        self.history: tuple[Iteration, ...] = end.history
+        self.place = f"shape {number} (t = {number * step:g} ms)"
+        remedies = [
+            end.failure.remedy,
+            "allow shorter load steps (mechanics.max_halvings) or more iterations "
+            "(mechanics.max_iterations)",
+            "where the load has a maximum no step is short enough: move a support instead of "
+            "loading (mechanics.supports, kind = displacement)",
+        ]
+        if number > 1:
+            remedies.append(
+                f"for a result with the shapes up to the last one reached, set mechanics.n_steps = "
+                f"{number - 1} and mechanics.duration = {(number - 1) * step:g}"
+            )
+        self.remedy = "; or ".join(remedies)
+        super().__init__(
+            f"equilibrium was followed to t = {end.reached.s:.6g} ms, and not even a load step of "
+            f"{end.step:.2g} ms leads on: {end.failure}"
+        )
 
 
 @dataclass(frozen=True)
 class QuasiStatics:
-    """Equilibria at equal intervals of a slow loading; an interval that fails is halved.
+    """Equilibria at equal intervals of a slow loading, in as many load steps as it takes.
 
     Parameters
     ----------
@@ -147,21 +113,29 @@ class QuasiStatics:
         Interval between two frames, ms.
     max_halvings
         How often an interval may be halved.
+    initial_increment
+        First load step, relative to the interval.
     """
 
     body: Body
     controls: NewtonControls
     step: float
     max_halvings: int
+    initial_increment: float = 1.0
 
     def unloaded(self) -> Rest:
         """The film before anything acts."""
         zero = np.zeros(self.body.shell.size)
-        return Rest(zero, zero, 0.0)
+        return Rest(zero, zero, 0.0, self.initial_increment * self.step)
 
     def run(
-        self, imposed: Callable[[int], Imposed], rest: Rest, first: int, last: int
-    ) -> Iterator[Advance[Rest]]:
+        self,
+        imposed: Callable[[int], Imposed],
+        rest: Rest,
+        first: int,
+        last: int,
+        listen: Callable[[Attempt], None] = ignore,
+    ) -> Iterator[Shape]:
         """Frames ``first`` to ``last``, from ``rest`` at the frame before (frame 0: unloaded).
 
         ``imposed(i)`` is what acts in frame i; it is linear in between. The result depends on nothing
@@ -169,26 +143,122 @@ class QuasiStatics:
 
         Raises
         ------
-        UnsolvedStepError
-            If an interval fails in spite of halving; the frames before it have been yielded.
+        UnreachedShapeError
+            If a frame cannot be reached; those before it have been yielded.
         """
-        steps = HalvedSteps(self._guesses, self._solve, self.max_halvings)
         old = imposed(first - 1) if first else self.body.nothing()
         for index in range(first, last + 1):
             new = imposed(index)
-            start = max(index - 1, 0) * self.step
-            result = steps.advance(rest, TimeStep(index, start, self.step, old, new))
-            yield result
-            rest, old = result.state, new
+            loading = Loading(self.body, old, new, (index - 1) * self.step, index * self.step)
+            try:
+                shape = self._interval(loading, rest, listen)
+            except PathEndError as end:
+                raise UnreachedShapeError(index, self.step, end) from end
+            yield shape
+            rest, old = shape.state, new
 
-    def _guesses(self, rest: Rest, part: TimeStep) -> Iterator[Array]:
-        onward = rest.displacement + part.length * rest.rate
-        yield onward
-        if not np.array_equal(onward, rest.displacement):
-            yield rest.displacement
+    def _interval(self, loading: Loading, rest: Rest, listen: Callable[[Attempt], None]) -> Shape:
+        """The shape at the end of an interval."""
+        steps = StepControls(
+            initial=self.initial_increment * self.step,
+            smallest=self.step / 2**self.max_halvings,
+        )
+        last = self._start(loading, rest)
+        work, iterations = rest.work, 0
+        for point in follow(loading, last, [loading.last], steps, self.controls, listen):
+            work += self.body.work_between(
+                last.x, loading.imposed(last.s), point.x, loading.imposed(point.s)
+            )
+            iterations += point.iterations
+            last = point
+        assert last.slope is not None
+        assert last.length is not None
+        return Shape(Rest(last.x, last.slope, work, last.length), iterations, last.smallest_step)
 
-    def _solve(self, rest: Rest, part: TimeStep, guess: Array) -> tuple[Rest, int]:
-        solution = newton(lambda u: self.body.linearise(u, part.new), guess, self.controls)
-        rate = (solution.x - rest.displacement) / part.length
-        work = self.body.work_between(rest.displacement, part.old, solution.x, part.new)
-        return Rest(solution.x, rate, rest.work + work), solution.iterations
+    def _start(self, loading: Loading, rest: Rest) -> PathPoint:
+        """Where an interval starts; from rest, the exact direction of the path is known."""
+        slope = rest.rate
+        if not slope.any():
+            try:
+                slope = loading.direction(rest.displacement, loading.first)
+            except SingularMatrixError as error:
+                failure: NewtonError = SingularTangentError((), f": {error}")
+                point = PathPoint(loading.first, rest.displacement)
+                raise PathEndError(point, 0.0, failure) from error
+        length = min(rest.step, self.step)
+        return PathPoint(loading.first, rest.displacement, slope, length)
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Equilibrium at one fraction of what acts; ``slope`` is d(displacement)/d(fraction)."""
+
+    factor: float
+    displacement: Array
+    slope: Array
+
+
+@dataclass(frozen=True)
+class Increment:
+    """A fraction reached: ``iterations`` since the last one, and the smallest step on the way."""
+
+    state: Equilibrium
+    iterations: int
+    smallest_step: float
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """Equilibria of a body at equal fractions of what acts on it.
+
+    Parameters
+    ----------
+    body
+        The film with its supports and loads.
+    target
+        What acts in full.
+    increments
+        Number of fractions.
+    controls
+        Newton's tolerances.
+    max_halvings
+        How often an increment may be halved.
+    initial_increment
+        First step, relative to an increment.
+    listen
+        Told of every attempt.
+    """
+
+    body: Body
+    target: Imposed
+    increments: int
+    controls: NewtonControls
+    max_halvings: int
+    initial_increment: float = 1.0
+    listen: Callable[[Attempt], None] = field(default=ignore)
+
+    def follow(self) -> Iterator[Increment]:
+        """Equilibria at 1/n, 2/n, ..., 1; each is yielded before the next one is sought.
+
+        Raises
+        ------
+        UnreachedShapeError
+            If one cannot be reached; those before it have been yielded.
+        """
+        statics = QuasiStatics(
+            self.body,
+            self.controls,
+            1.0 / self.increments,
+            self.max_halvings,
+            self.initial_increment,
+        )
+        nothing = self.body.nothing()
+
+        def imposed(index: int) -> Imposed:
+            return nothing.towards(self.target, index / self.increments)
+
+        shapes = statics.run(imposed, statics.unloaded(), 1, self.increments, self.listen)
+        for index, shape in enumerate(shapes, start=1):
+            rest = shape.state
+            state = Equilibrium(index / self.increments, rest.displacement, rest.rate)
+            yield Increment(state, shape.iterations, shape.smallest_step)

@@ -52,7 +52,13 @@ def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -
     """
     body = body_of(config, patch, laminate)
     check_is_held(body)
-    return QuasiStatics(body, controls_of(config, body.shell), config.step, config.max_halvings)
+    return QuasiStatics(
+        body,
+        controls_of(config, body.shell),
+        config.step,
+        config.max_halvings,
+        config.initial_increment,
+    )
 
 
 def body_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Body:

@@ -9,11 +9,12 @@ from stages.artefacts import Deformation, Equilibria, Laminate, MidSurface, Stre
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 
 if TYPE_CHECKING:
-    from stages.mechanics.equilibrium import QuasiStatics, Rest
+    from stages.mechanics.body import Balance
+    from stages.mechanics.equilibrium import Shape
     from stages.mechanics.imposed import Imposed
     from stages.mechanics.time_loop import Arrival, TimeLoop
     from stages.numerics.bsplines import Array
-    from stages.numerics.halving import Advance
+    from stages.numerics.stepping import Attempt
 
 
 @stage
@@ -98,6 +99,7 @@ def equilibrium(
     import numpy as np
 
     from stages.mechanics.equilibrium import Rest
+    from stages.mechanics.loading_log import LoadingLog
     from stages.mechanics.setup import build_statics, check_inputs
     from stages.numerics.time_series import FrameReader
 
@@ -121,34 +123,40 @@ def equilibrium(
     )
     activation = FrameReader(stress.active_stress)
     saved = run.resume()
-    shape, divided = statics.unloaded(), 0
+    shape, log = statics.unloaded(), LoadingLog()
     if saved is not None:
-        shape = Rest(saved["displacement"], saved["rate"], float(saved["work"]))
-        divided = int(saved["divided_steps"])
+        shape = Rest(
+            saved["displacement"], saved["rate"], float(saved["work"]), float(saved["step"])
+        )
+        log = LoadingLog.restored(saved)
 
     def imposed(frame: int) -> Imposed:
         return body.imposed_at(frame * config.step, activation(frame))
 
-    for result in statics.run(imposed, shape, first=history.frames_done, last=config.n_steps):
-        shape = result.state
-        done = history.frames_done
-        _append_shape(history, statics, result, imposed(done))
-        if result.halvings:
-            divided += 1
-            run.warn(
-                f"load step {done} (to t = {done * config.step:g} ms) converged only in parts of "
-                f"{config.step / 2**result.halvings:g} ms"
-            )
+    def tell(attempt: Attempt) -> None:
+        run.tell(f"t = {attempt.start:.6g} to {attempt.end:.6g} ms: {attempt}")
+
+    frames = statics.run(
+        imposed, shape, first=history.frames_done, last=config.n_steps, listen=tell
+    )
+    for result in frames:
+        shape, done = result.state, history.frames_done
+        balance = body.balance(shape.displacement, imposed(done))
+        _append_shape(history, balance, result)
+        for warning in log.look_at(done * config.step, config.step, balance, result):
+            run.warn(warning)
+        seen = log.saved()
         run.progress(done, config.n_steps)
         run.checkpoint(
-            lambda shape=shape, divided=divided: {  # type: ignore[misc]  # defaults bind the loop
+            lambda shape=shape, seen=seen: {  # type: ignore[misc]  # defaults bind the loop
                 "displacement": shape.displacement,
                 "rate": shape.rate,
                 "work": shape.work,
-                "divided_steps": divided,
+                "step": shape.step,
+                **seen,
             }
         )
-    run.note("divided_steps", divided)
+    run.note("divided_steps", log.divided)
     return history.finish(time=np.arange(config.n_steps + 1) * config.step)
 
 
@@ -193,22 +201,16 @@ def _append_motion(
     )
 
 
-def _append_shape(
-    history: History[Equilibria],
-    statics: QuasiStatics,
-    result: Advance[Rest],
-    imposed: Imposed,
-) -> None:
-    shell, displacement = statics.body.shell, result.state.displacement
-    balance = statics.body.balance(displacement, imposed)
+def _append_shape(history: History[Equilibria], balance: Balance, shape: Shape) -> None:
+    shell = balance.body.shell
     stretch = shell.fibres.stretch(shell.reference, balance.response.frames)
     history.append(
-        displacement=displacement.reshape(-1, 3),
+        displacement=balance.displacement.reshape(-1, 3),
         strain_energy=balance.response.energy,
-        external_work=result.state.work,
-        newton_iterations=float(result.iterations),
-        load_step=statics.step / 2**result.halvings,
+        external_work=shape.state.work,
+        newton_iterations=float(shape.iterations),
+        load_step=shape.smallest_step,
         unstable_directions=float(balance.unstable_directions),
         fibre_stretch=stretch,
-        active_stress=shell.fibres.stress(imposed.activation, stretch),
+        active_stress=shell.fibres.stress(balance.imposed.activation, stretch),
     )

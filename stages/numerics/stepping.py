@@ -49,7 +49,8 @@ class StepControls:
         Iterations of a step that is just right: the next one is as much longer as this one was easier,
         by a factor of 2 at most either way.
     rescue_cuts
-        Cuts of the line search that the smallest step may use as a last resort.
+        Cuts of the line search that the smallest step may use as a last resort, from the last
+        solution itself.
     """
 
     initial: float
@@ -222,9 +223,8 @@ def _step(
                 parts *= 2
                 continue
             try:
-                solution = _attempt(
-                    problem, last, s, replace(controls, max_cuts=steps.rescue_cuts), listen
-                )
+                searching = replace(controls, max_cuts=steps.rescue_cuts)
+                solution = _attempt(problem, replace(last, slope=None), s, searching, listen)
             except NewtonError as last_failure:
                 raise PathEndError(last, step, last_failure) from last_failure
         length = steps.next_length(step, solution.iterations)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stages.mechanics.equilibrium import Equilibrium, LoadPath
+from stages.mechanics.equilibrium import Equilibrium, LoadPath, UnreachedShapeError
+from stages.mechanics.loading import Loading
 from stages.mechanics.shell import Shell
-from stages.numerics.halving import UnsolvedStepError
+from stages.numerics.newton import newton
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.stepping import Attempt
 from stages.numerics.surface_geometry import frame_on_grid
 from tests.mechanics import films
 from tests.mechanics.cylinder import cylindrical_bending
@@ -91,23 +95,53 @@ def test_the_end_of_the_path_does_not_depend_on_the_increments() -> None:
     assert np.abs(few.displacement - many.displacement).max() < 1e-9
 
 
-def test_an_increment_that_fails_is_halved_and_its_factors_stay_on_the_grid() -> None:
+def test_one_increment_that_is_far_too_large_is_taken_in_steps_that_adapt() -> None:
     body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
-    steps = list(path(body, 9.0, 3, iterations=11).follow())
-    assert [s.state.factor for s in steps] == [1 / 3, 2 / 3, 1.0]
-    assert max(s.halvings for s in steps) > 0
+    told: list[Attempt] = []
+    (only,) = replace(path(body, 9.0, 1), listen=told.append).follow()
+    assert only.state.factor == 1.0
+    assert any(attempt.failure for attempt in told)
+    assert only.smallest_step < 0.5
+    found = [attempt for attempt in told if attempt.failure is None]
+    assert found[-1].end == 1.0
+    assert only.iterations == sum(len(attempt.history) for attempt in told)
     reference = bend(body, 9.0, increments=20)
     # as above
-    assert np.abs(steps[-1].state.displacement - reference.displacement).max() < 1e-9
+    assert np.abs(only.state.displacement - reference.displacement).max() < 1e-9
+
+
+def test_a_small_first_step_grows() -> None:
+    body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
+    told: list[Attempt] = []
+    list(replace(path(body, 9.0, 2), initial_increment=0.05, listen=told.append).follow())
+    widths = [attempt.end - attempt.start for attempt in told]
+    assert widths[0] == pytest.approx(0.025)
+    assert max(widths) > 2.0 * widths[0]
+
+
+def test_predicted_forces_in_the_tangent_save_iterations_and_change_no_result() -> None:
+    """Three increments to 9 kPa, too large for the common tangent."""
+    body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
+    held = films.clamped(body)
+    controls = films.controls(body)
+    imposed = held.under(np.full(body.points, 3.0))
+    start = np.zeros(body.size)
+    loading = Loading(held, held.nothing(), imposed)
+    predicted = newton(lambda u: loading.linearise(u, 1.0), start, controls)
+    many = replace(controls, max_iterations=100)
+    common = newton(lambda u: held.linearise(u, imposed), start, many)
+    assert 2 * predicted.iterations < common.iterations
+    assert np.abs(predicted.x - common.x).max() < 1e-9
 
 
 def test_a_path_that_cannot_be_followed_keeps_what_was_found_and_says_where_it_ended() -> None:
     body = films.shell(films.flat((6, 2)), films.two_layers(angle=0.0))
-    with pytest.raises(UnsolvedStepError, match=r"even in parts of 0\.25 of the act") as failure:
-        next(path(body, 900.0, 2, max_halvings=1).follow())
-    assert failure.value.place == "0 of the activation"
+    short = path(body, 4000.0, 2, iterations=4, max_halvings=1)
+    with pytest.raises(UnreachedShapeError, match=r"a load step of 0\.25 ms leads on") as failure:
+        next(short.follow())
+    assert failure.value.place == "shape 1 (t = 0.5 ms)"
     assert failure.value.history
-    assert "increments" in failure.value.remedy
+    assert "mechanics.max_halvings" in failure.value.remedy
 
 
 def test_without_activation_nothing_moves() -> None:

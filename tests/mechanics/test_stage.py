@@ -110,7 +110,11 @@ def test_a_stress_that_acts_from_the_start_is_reached_from_the_unloaded_film() -
     gap = np.asarray(found.displacement)[0] - np.asarray(grown.displacement)[-1]
     assert np.abs(gap).max() < 1e-9
     assert np.asarray(found.load_step)[0] < 5.0
-    assert "load step 0 (to t = 0 ms) converged only in parts of" in run.warnings[0]
+    assert run.notes["divided_steps"] >= 1
+    assert not run.warnings  # to take a jump in several steps is no cause for concern
+    assert "failed after" in run.lines[0]
+    assert run.lines[0].startswith("t = -5 to 0 ms: ")
+    assert any("to 0 ms: " in line and "iterations, max |R|" in line for line in run.lines)
 
 
 def test_equilibria_of_a_stopped_run_go_on_to_the_same_bits() -> None:
