@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,7 +22,7 @@ from stages.numerics.bands import Band, GeneralBand
 from stages.numerics.bsplines import Array
 from stages.numerics.inertia import negative_pivots
 from stages.numerics.newton import Linearisation
-from stages.numerics.sparse import BandFactor
+from stages.numerics.sparse import BandFactor, SingularMatrixError
 from stages.time_laws.base import TimeLaw
 
 if TYPE_CHECKING:
@@ -221,11 +222,12 @@ class Balance:
         size = np.abs(self.displacement).max(initial=0.0)
         return gap if np.abs(gap).max(initial=0.0) > 1e-14 * size else None
 
-    @property
+    @cached_property
     def unstable_directions(self) -> int:
         """Negative pivots of the reduced tangent, of its symmetric part where a load follows."""
-        if self.factor.positive_definite:
-            return 0
+        with contextlib.suppress(SingularMatrixError):
+            if self.factor.positive_definite:
+                return 0
         return negative_pivots(self.reduced.symmetric_part())
 
     def linearisation(self) -> Linearisation:
