@@ -38,11 +38,23 @@ def unusable_layers(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
                 f"(there are: {', '.join(sorted(shell.all_materials))}; further ones are tables "
                 f"mechanics.materials.NAME)"
             )
-    if not any(layer.activity for layer in film.lay_up):
+    if not any(layer.activity for layer in film.lay_up) and not shell.is_acted_on:
         yield (
             "geometry.layers: no layer is active, so nothing would move the film: give one an "
-            "activity above 0"
+            "activity above 0, or load the film (mechanics.loads)"
         )
+
+
+def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
+    """Points that are held, moved or loaded and do not lie on the film."""
+    for section, tables in (("supports", shell.supports), ("loads", shell.loads)):
+        for label, table in tables.items():
+            x, y = getattr(table, "position", None) or (0.0, 0.0)
+            if not (0 <= x <= film.length and 0 <= y <= film.width):
+                yield (
+                    f"mechanics.{section}.{label}.position = ({exact(x)}, {exact(y)}) mm lies outside "
+                    f"the film {extent(film)}"
+                )
 
 
 def extent(film: FilmConfig) -> str:

@@ -17,7 +17,7 @@ from stages.configuration import Section
 from stages.geometry.config import FilmConfig, MeshConfig, ShellGeometryConfig
 from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
-from workflows.film_checks import places_off_the_film, unusable_layers
+from workflows.film_checks import acting_off_the_film, places_off_the_film, unusable_layers
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ class ImposedFilmConfig(Section):
         problems = (
             *unusable_layers(self.geometry, self.mechanics),
             *places_off_the_film(self.geometry, self.postprocessing),
+            *acting_off_the_film(self.geometry, self.mechanics),
         )
         for problem in problems:
             raise PydanticCustomError("misfit", "{problem}", {"problem": problem})

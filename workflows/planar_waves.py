@@ -19,7 +19,13 @@ from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurren
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
-from workflows.film_checks import extent, interval, places_off_the_film, unusable_layers
+from workflows.film_checks import (
+    acting_off_the_film,
+    extent,
+    interval,
+    places_off_the_film,
+    unusable_layers,
+)
 from workflows.tables import exact
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -56,6 +62,7 @@ def _misfits(config: PlanarWavesConfig) -> Iterator[str]:
         )
     yield from places_off_the_film(film, measured)
     yield from unusable_layers(film, config.mechanics)
+    yield from acting_off_the_film(film, config.mechanics)
     for stimulus in config.electrophysiology.stimuli:
         if isinstance(stimulus, PatchCurrent) and not (
             stimulus.x[0] >= 0

@@ -101,6 +101,11 @@ class ShellConfig(Section):
         return {"substrate": self.substrate, "active": self.active, **self.materials}
 
     @property
+    def is_acted_on(self) -> bool:
+        """Whether loads or moving supports act on the film, besides its muscle."""
+        return bool(self.loads) or any(support.law for support in self.supports.values())
+
+    @property
     def step(self) -> float:
         """Time step, ms."""
         return self.duration / self.n_steps
@@ -148,3 +153,14 @@ class EquilibriumConfig(ShellConfig):
         le=1,
         default=1.0,
     )
+
+    @model_validator(mode="after")
+    def _is_held_at_all(self) -> EquilibriumConfig:
+        """Without supports there is no equilibrium; what some supports leave free is found later."""
+        if all(support.kind == "free" for support in self.supports.values()):
+            raise PydanticCustomError(
+                "not_held",
+                "supports: nothing holds the film, so it has no equilibrium; give a table such as "
+                '[mechanics.supports.clamp] with kind = "clamped" and edge = "X=0"',
+            )
+        return self

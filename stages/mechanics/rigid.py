@@ -20,7 +20,7 @@ class FreeMotionError(ValueError):
 
     def __init__(self, fact: str, remedy: str) -> None:
         self.remedy = remedy
-        super().__init__(f"{fact}: {remedy}")
+        super().__init__(fact)
 
 
 def check_is_held(body: Body) -> None:

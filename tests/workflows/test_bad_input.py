@@ -53,6 +53,18 @@ def refused(result: Result, *parts: str) -> None:
             "start=0.0, duration=5.0, current=20.0}]",
             ["stimulated rectangle [3, 4] x [0, 1] mm", "outside the film"],
         ),
+        ("mechanics.supports.clamp.edge=X=1", ["mechanics.supports.clamp.edge", "'X=L1'"]),
+        ("mechanics.supports.clamp.kind=clamp", ["choose one of", "clamped-normal", "symmetry"]),
+        (
+            'mechanics.supports.grip={kind="point", position=[1.0, 2.1], z=0.0}',
+            ["mechanics.supports.grip.position = (1, 2.1) mm", "outside the film"],
+        ),
+        (
+            'mechanics.loads.tip={kind="point", position=[4, 1], force=[0, 0, 1], time_law="constant"}',
+            ["mechanics.loads.tip.position = (4, 1) mm", "outside the film"],
+        ),
+        ("mechanics.loads.wind=pressure", ["mechanics.loads.wind.time_law", "missing", "kPa"]),
+        ("mechanics.loads.wind.kind=wind", ["choose one of", "area", "pressure"]),
         ("mechanics.plane_points=1", ["plane_points 1 is too few for degree 2"]),
         (
             'geometry.layers=[{name="a", material="substrat", thickness="9 um", activity=1.0}]',
