@@ -130,6 +130,67 @@ def test_equilibria_of_a_stopped_run_go_on_to_the_same_bits() -> None:
         )
 
 
+LIFT = {
+    "pull": {
+        "kind": "edge-traction",
+        "edge": "X=L1",
+        "traction": (0.0, 0.0, 2e-5),
+        "time_law": {"name": "ramp", "rise_time": 40.0},
+    }
+}
+
+
+def silent() -> StressSamples:
+    return StressSamples(samples().time, np.zeros((9, POINTS)))
+
+
+def test_a_load_alone_bends_a_passive_film_and_does_the_work_that_the_film_stores() -> None:
+    dead = Laminate((Layer("substrate", "substrate", 0.018, 0.0, activity=0.0),))
+    found = equilibrium.compute(static(loads=LIFT), SURFACE, dead, silent())
+    tip = np.asarray(found.displacement)[:, -1, 2]
+    assert np.all(np.diff(tip) > 0)
+    work, energy = np.asarray(found.external_work), np.asarray(found.strain_energy)
+    assert work[0] == 0.0
+    # trapezoidal rule over eight parts of a mildly nonlinear curve
+    np.testing.assert_allclose(work[1:], energy[1:], rtol=1e-2)
+    assert not np.asarray(found.active_stress).any()
+
+
+def test_a_loaded_run_that_was_stopped_goes_on_to_the_same_bits() -> None:
+    lifted = {
+        "clamp": FIELDS["supports"]["clamp"],
+        "lift": {
+            "kind": "displacement",
+            "edge": "X=L1",
+            "z": 0.2,
+            "time_law": {"name": "ramp", "rise_time": 40.0},
+        },
+    }
+    load = {"wind": {"kind": "pressure", "pressure": 1e-5, "time_law": "constant"}}
+    changes: dict[str, Any] = {"supports": lifted, "loads": load}
+    for stage, settings in ((equilibrium, static(**changes)), (mechanics, config(**changes))):
+        arguments = settings, SURFACE, films.two_layers(), samples()
+        whole = stage.compute(*arguments)
+        run = MemoryRun(stop_after=4)
+        with pytest.raises(Stopped):
+            stage.compute(*arguments, run=run)
+        resumed = stage.compute(*arguments, run=run)
+        for name in ("displacement", "strain_energy", "newton_iterations"):
+            np.testing.assert_array_equal(
+                np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name))
+            )
+        edge = np.asarray(whole.displacement).reshape(9, 8, 4, 3)[:, -1, :, 2]
+        np.testing.assert_allclose(edge, 0.2 * np.arange(9)[:, None] / 8 * np.ones(4), atol=1e-15)
+
+
+def test_an_equilibrium_needs_supports_that_leave_no_motion_free() -> None:
+    with pytest.raises(ValidationError, match="nothing holds the film"):
+        static(supports={"clamp": {"kind": "free", "edge": "X=0"}})
+    hinge = {"hinge": {"kind": "hinged", "edge": "X=0"}}
+    with pytest.raises(ValueError, match=r"turn about the line through \(0, 1, 0\) mm along Y"):
+        equilibrium.compute(static(supports=hinge), SURFACE, films.two_layers(), samples())
+
+
 def test_fibres_shorten_where_the_muscle_pulls() -> None:
     """A prescribed stress is what acts; a film held by its substrate shortens by some per cent."""
     found = equilibrium.compute(static(), SURFACE, films.two_layers(), samples())
