@@ -72,23 +72,26 @@ def edge_frame(patch: Patch, edge: str) -> EdgeFrame:
     return EdgeFrame(tangent, inward, frame.normal)
 
 
-def turning_rows(patch: Patch, edge: str) -> Iterator[Relation]:
-    """Relations of the second row of control points that keep an edge which is held from turning.
+def turning_rows(patch: Patch, edge: str, *, moving: bool = False) -> Iterator[Relation]:
+    """Relations of the second row of control points that keep an edge from turning about itself.
 
-    With the first row held, the rotation about the edge is a_3 . u_,across, a sum over the second row.
+    The rotation is a_3 . u_,across, a sum over the second row less the first; that one is left out
+    where it is held, not ``moving``.
     """
-    _, second = control_rows(patch, edge)
+    first, second = control_rows(patch, edge)
     normals = edge_frame(patch, edge).normal
     if np.abs(normals - normals[0]).max() < FLAT:
-        for point in second:
-            yield weighted([int(point)], [1.0], normals[0])
-        return
-    space = patch.spaces[1 if edge.startswith("X") else 0]
-    weights = np.ones(patch.size) if patch.weights is None else patch.weights.ravel()
-    for functions, normal in zip(space.evaluate(space.greville()), normals, strict=True):
-        near = np.flatnonzero(functions > FLAT)
-        values = functions[near] * weights[second[near]]
-        yield weighted([int(i) for i in second[near]], [float(v) for v in values], normal)
+        functions, weights = np.eye(second.size), np.ones(second.size)
+    else:
+        space = patch.spaces[1 - across_direction(edge)]
+        functions = space.evaluate(space.greville())
+        weights = np.ones(patch.size) if patch.weights is None else patch.weights.ravel()
+        weights = weights[second]
+    for values, normal in zip(functions * weights, normals, strict=True):
+        near = np.flatnonzero(np.abs(values) > FLAT)
+        points = second[near].tolist() + (first[near].tolist() if moving else [])
+        factors = values[near].tolist() + ((-values[near]).tolist() if moving else [])
+        yield weighted(points, factors, normal)
 
 
 def symmetry_plane(patch: Patch, edge: str) -> tuple[Array, Array, Array]:

@@ -229,6 +229,22 @@ def test_a_moved_edge_takes_the_film_along_in_one_smooth_step() -> None:
     assert np.all(net[-1, :, 0] < -0.02)  # it is drawn in: an inextensible line of length 3.5
 
 
+@pytest.mark.parametrize("name", ["flat", "roof"])
+def test_a_moved_edge_may_keep_its_direction(name: str) -> None:
+    roof = cylindrical_panel(2.0, 3.0, (-40.0, 40.0)).refine(3, (4, 5))
+    patch = films.flat((3, 4)) if name == "flat" else roof
+    support = Displacement(edge="X=L1", x=1e-6, y=0.0, z=2e-6, rotation="held", time_law=Constant())
+    constraints = constrain(patch, {"lift": support})
+    u = 1e-6 * np.random.default_rng(0).normal(size=3 * patch.size)
+    u = constraints.ties.admissible(u, np.ones(1))
+    moved = patch.with_net(patch.control_points + u.reshape(patch.control_points.shape))
+    theta = np.ones(1), patch.second.greville()
+    before, after = (frame_on_grid(p, *theta) for p in (patch, moved))
+    # displacements of 1e-6 turn by their square
+    assert np.abs(after.normal - before.normal).max() < 1e-9
+    np.testing.assert_allclose(after.position[:, 2] - before.position[:, 2], 2e-6, rtol=1e-8)
+
+
 def test_the_first_correction_foresees_a_moved_support() -> None:
     """In a linear range one correction is enough, from a start that violates the constraint."""
     supports: dict[str, Support] = {

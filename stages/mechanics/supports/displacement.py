@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
 from stages.configuration import Edge, setting
@@ -14,17 +14,26 @@ if TYPE_CHECKING:
 
 
 class Displacement(MovingSupport):
-    """The edge's row of control points moves as one; the edge may turn."""
+    """The edge's row of control points moves as one; the edge may turn, or keeps its direction.
+
+    With ``rotation = "held"`` it is a clamp that is moved without being turned: the second row of
+    control points follows the first one along the normal.
+    """
 
     kind: Literal["displacement"] = "displacement"
     edge: Edge = setting("edge that is moved", "this project")
+    rotation: Literal["free", "held"] = setting(
+        "whether the edge may turn about itself", "this project", default="free"
+    )
 
-    def relations(self, patch: Patch) -> Iterable[Relation]:
+    def relations(self, patch: Patch) -> Iterator[Relation]:
         """The components of the first row are those prescribed."""
-        from stages.mechanics.edges import control_rows
+        from stages.mechanics.edges import control_rows, turning_rows
         from stages.mechanics.relations import moved
 
-        return moved(control_rows(patch, self.edge)[0], self.prescribed)
+        yield from moved(control_rows(patch, self.edge)[0], self.prescribed)
+        if self.rotation == "held":
+            yield from turning_rows(patch, self.edge, moving=True)
 
 
 MODEL = Displacement
