@@ -22,6 +22,7 @@ and in k, which is what :func:`film_of_width` solves.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -211,5 +212,12 @@ def _slope(section: _Section, width: float, k: float) -> float:
 
 def _points(width: float) -> tuple[Array, Array]:
     """Gauss points over half the width, crowded at the side, and weights of a mean."""
-    x, w = np.polynomial.legendre.leggauss(200)
+    x, w = _rule()
     return 0.25 * width * (1.0 + x), 0.5 * w
+
+
+@functools.cache
+def _rule() -> tuple[Array, Array]:
+    """Gauss rule of 200 points; its eigenvalue problem takes longer than all that it is used for."""
+    x, w = np.polynomial.legendre.leggauss(200)
+    return np.asarray(x), np.asarray(w)
