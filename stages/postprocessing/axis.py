@@ -45,7 +45,17 @@ def follow_axis(film: Patch, displacement: StoredFrames, theta2: float) -> AxisS
         Of the control points, shape ``(time, control point, xyz)``, mm.
     theta2
         Parameter of the line.
+
+    Raises
+    ------
+    ValueError
+        If the film is rational: films that are flat at rest are not.
     """
+    if film.weights is not None:
+        raise ValueError(
+            "the projected length belongs to a film that is flat at rest; this one has weights, as "
+            "exact cylinders and spheres do: use a patch without weights"
+        )
     across = film.second.evaluate(np.array([theta2]))[0]
     line = np.einsum("j,ijx->ix", across, film.control_points)
     samples = SAMPLES_PER_ELEMENT * film.first.elements + 1

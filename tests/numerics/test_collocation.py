@@ -9,6 +9,7 @@ from scipy.sparse.linalg import spsolve
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import collocate
 from stages.numerics.patches import Patch
+from stages.numerics.shapes import cylindrical_panel, spherical_panel
 from tests.problems import observed_orders, parabolic_sheet, sheet_arc_length, skewed_square
 
 
@@ -61,6 +62,26 @@ def test_the_laplacian_of_a_curved_sheet_is_that_of_its_arc_length() -> None:
         errors.append(np.abs((operators.laplacian @ control - second)[inside]).max())
     # interpolation of degree 4, differentiated twice: order 3 at least
     assert observed_orders(np.array(errors))[-1] > 2.8
+
+
+@pytest.mark.parametrize("shape", ["cylinder", "sphere"])
+def test_heights_on_a_cylinder_and_a_sphere_are_eigenfunctions(shape: str) -> None:
+    """Lap z = -k z/R^2, k = 1 on the cylinder and 2 on the sphere; fields are polynomial splines."""
+    radius = 2.0
+    patch, k = {
+        "cylinder": (cylindrical_panel(radius, 3.0, (-40.0, 80.0)), 1.0),
+        "sphere": (spherical_panel(radius, (0.0, 90.0), (-30.0, 60.0)), 2.0),
+    }[shape]
+    errors = []
+    for elements in (8, 16, 32):
+        operators = collocate(patch.refine(4, (elements, elements)))
+        height = operators.frame.position[:, 2]
+        control = spsolve(operators.values.tocsc(), height)
+        found = operators.laplacian @ control
+        errors.append(np.abs((found + k * height / radius**2)[operators.interior]).max())
+    # interpolation of degree 4, differentiated twice: order 3 at least
+    assert observed_orders(np.array(errors))[-1] > 2.8
+    assert errors[-1] < 1e-4
 
 
 def _wave(x: Array, bend: float, total: float) -> tuple[Array, Array]:
