@@ -63,7 +63,11 @@ def anticlastic(config: AnticlasticConfig, *, run: StageRun) -> StudyTable:
     plies = _plies(config)
     strip, cylinder = free_strip(plies).curvature_x, cylindrical(plies).curvature_x
     middle = Symmetry(edge="Y=0")
-    long_film = {"X": Symmetry(edge="X=0"), "Y": middle, "Z": Point(position=(0.0, 0.0), z=0.0, time_law=None)}
+    long_film = {
+        "X": Symmetry(edge="X=0"),
+        "Y": middle,
+        "Z": Point(position=(0.0, 0.0), z=0.0, time_law=None),
+    }
     clamped_film = {"clamp": ClampedNormal(edge="X=0"), "Y": middle}
     rows = []
     for width in config.widths:
