@@ -237,8 +237,14 @@ def reproduce(
     config: Config = None,
     settings: Settings = None,
     out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", parser=_path, help="Output folder.")
-    ] = Path("results/reproduce"),
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            parser=_path,
+            help="Output folder.  [default: results/reproduce/FIGURE]",
+        ),
+    ] = None,
     store: StorePath = None,
 ) -> None:
     """Draw a figure of the paper."""

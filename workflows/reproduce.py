@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from workflows import registry
-from workflows.figures.catalogue import FIGURES, PaperFigure
+from workflows.exports.files import write_text
+from workflows.figures.catalogue import FIGURES, Drawn, PaperFigure
 from workflows.progress import watching
 from workflows.request import Request, open_store, output_folder
-from workflows.tables import aligned
+from workflows.tables import aligned, fitted, number
+
+if TYPE_CHECKING:
+    from pipeline.runner import Outcome
+    from workflows.experiment import Experiment
 
 
 def list_figures() -> None:
@@ -22,7 +29,7 @@ def draw(
     name: str,
     config: Path | None,
     overrides: Sequence[str],
-    out: Path,
+    out: Path | None,
     store: Path | None,
     *,
     quiet: bool = False,
@@ -30,25 +37,43 @@ def draw(
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
-    from workflows.exports.outputs import experiment_of
+    from workflows.exports.outputs import experiment_of, summary_text
 
     figure = _figure(name)
     requests = {
-        label: Request.read(figure.workflow, config, [*overrides, *own])
-        for label, own in figure.runs.items()
+        label: Request.read(
+            planned.workflow, config, [*overrides, *planned.overrides], planned.defaults
+        )
+        for label, planned in figure.runs.items()
     }
     kept = open_store(store)
-    folder = output_folder(out)
-    experiments = {}
+    folder = output_folder(out or Path("results/reproduce") / name)
+    experiments: dict[str, Experiment] = {}
+    stages: dict[str, Outcome] = {}
     for label, request in requests.items():
         if not quiet and len(requests) > 1:
             print(f"{label}:")
         with watching(quiet=quiet, verbose=verbose) as listen:
             outcomes = run(request.nodes(), kept, listen=listen)
         experiments[label] = experiment_of(request, outcomes)
-    files = figure.draw(experiments, folder)
+        stages |= {f"{label}: {stage}": outcome for stage, outcome in outcomes.items()}
+    drawn = figure.draw(experiments, folder)
+    write_text(folder / "summary.json", summary_text({"figure": name}, drawn.quantities, stages))
     if not quiet:
-        print("\n".join(["", *(f"picture  {folder / file}" for file in files)]))
+        _tell(drawn, folder)
+
+
+def _tell(drawn: Drawn, folder: Path) -> None:
+    rows = [(name, f"{number(q.value)} {q.unit}") for name, q in drawn.quantities.items()]
+    print()
+    for line in fitted(rows, max(shutil.get_terminal_size().columns, 60)) if rows else ():
+        print(f"  {line}")
+    for label, files in (
+        ("picture", drawn.pictures),
+        ("data", (*drawn.tables, "summary.json")),
+    ):
+        for file in files:
+            print(f"{label:8} {folder / file}")
 
 
 def _figure(name: str) -> PaperFigure:

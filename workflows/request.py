@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from pipeline.store import LocalStore
     from workflows.workflow import Workflow
 
+NOTHING: Mapping[str, Any] = {}
+
 
 @dataclass(frozen=True)
 class Request:
@@ -28,8 +30,16 @@ class Request:
     config: BaseModel
 
     @classmethod
-    def read(cls, name: str, config: Path | None = None, overrides: Sequence[str] = ()) -> Request:
+    def read(
+        cls,
+        name: str,
+        config: Path | None = None,
+        overrides: Sequence[str] = (),
+        defaults: Mapping[str, Any] = NOTHING,
+    ) -> Request:
         """The paper's parameters, a file's over them, and ``SECTION.KEY=VALUE`` strings over both.
+
+        ``defaults`` are tables that stand in for the paper's parameters, below the file.
 
         Raises
         ------
@@ -39,7 +49,7 @@ class Request:
         from pipeline.config import load, read_toml
 
         workflow = registry.find(name)
-        layers = [read_toml(registry.parameters(name))]
+        layers: list[Mapping[str, Any]] = [read_toml(registry.parameters(name)), defaults]
         if config is not None:
             layers.append(read_toml(config))
         return cls(workflow, load(workflow.config, layers, overrides))

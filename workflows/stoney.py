@@ -43,8 +43,8 @@ def modified_stoney(config: ImposedFilmConfig) -> float | None:
 
 
 def is_bilayer(config: ImposedFilmConfig) -> bool:
-    """Whether the film is one substrate below one muscle."""
-    return not getattr(config.geometry, "layers", ())
+    """Whether the film is one substrate below one muscle, and nothing but the muscle bends it."""
+    return not config.geometry.layers and not config.mechanics.loads
 
 
 def plies(config: ImposedFilmConfig, stress: float) -> list[Ply] | None:
@@ -135,6 +135,6 @@ def bias_remarks(quantities: Mapping[str, Quantity]) -> Sequence[str]:
         "Why: a narrow strip is free to curl across its width while it bends along its length. A wide "
         "film is not; it bends like a sheet of paper held at one edge, which takes up to a third more "
         "pull for the same curvature. Whoever reads a wide film as a strip underestimates the muscle, "
-        "by a quarter at most. The error cancels between films of equal shape; it does not between "
+        "by about a quarter at most. The error cancels between films of equal shape; it does not between "
         "narrow and wide ones.",
     )

@@ -41,6 +41,7 @@ def shape(
     from stages.postprocessing.shapes import measure_shapes, self_contact
 
     measures = measure_shapes(config, mid_surface, deformation)
-    for warning in self_contact(measures):
-        run.warn(warning)
+    if isinstance(deformation, Deformation):  # a quasi-static run has said so itself
+        for warning in self_contact(measures):
+            run.warn(warning)
     return measures

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from workflows.exports.files import write_text
+from workflows.workflow import Quantity
 
 
 def write_csv(
@@ -20,3 +22,13 @@ def write_csv(
     for row in rows:
         writer.writerow([f"{value:.{digits}g}" for value in row])
     write_text(path, text.getvalue())
+
+
+def write_columns(path: Path, quantities: Mapping[str, Quantity]) -> None:
+    """Write quantities that are lists of equal length, a column each."""
+    headings, columns = [], []
+    for name, quantity in quantities.items():
+        assert isinstance(quantity.value, list)
+        headings.append(f"{name} [{quantity.unit}]" if quantity.unit else name)
+        columns.append([math.nan if value is None else value for value in quantity.value])
+    write_csv(path, headings, zip(*columns, strict=True))

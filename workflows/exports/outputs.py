@@ -60,8 +60,16 @@ def write_summary(
 
     ``seconds`` is the time that this run spent on a stage: none if its result was in the store.
     """
+    text = summary_text({"workflow": request.workflow.name}, quantities, outcomes)
+    write_text(folder / "summary.json", text)
+
+
+def summary_text(
+    heading: Mapping[str, str], quantities: Mapping[str, Quantity], outcomes: Outcomes
+) -> str:
+    """Text of a ``summary.json``, which begins with the heading."""
     summary = {
-        "workflow": request.workflow.name,
+        **heading,
         "quantities": {name: _summarised(quantity) for name, quantity in quantities.items()},
         "stages": {
             name: {
@@ -72,7 +80,7 @@ def write_summary(
             for name, outcome in outcomes.items()
         },
     }
-    write_text(folder / "summary.json", json.dumps(summary, indent=2) + "\n")
+    return json.dumps(summary, indent=2) + "\n"
 
 
 def _summarised(quantity: Quantity) -> dict[str, Any]:

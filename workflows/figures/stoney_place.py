@@ -24,7 +24,7 @@ def write(experiment: Experiment, folder: Path) -> None:
     film = experiment.config.geometry
     found = bias_quantities(experiment)
     stress, share = found["active_stress"].value, found["strip_share"].value
-    with drawing(6.4, 3.9) as figure:
+    with drawing(8.6, 4.2) as figure:
         axes = figure.subplots()
         if isinstance(stress, float) and isinstance(share, float):
             layers = plies(experiment.config, stress)
