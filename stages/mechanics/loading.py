@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from stages.mechanics.body import Balance, Body
 from stages.mechanics.imposed import Imposed
 from stages.numerics.bsplines import Array
@@ -39,14 +41,16 @@ class Loading:
 
     def rate(self, x: Array, s: float) -> Array:
         """dR/ds at fixed free degrees of freedom, while moved supports go on."""
-        body, ties = self.body, self.body.ties
-        now, onward = self.imposed(s), self.imposed(s + (self.last - self.first))
-        balance = body.balance(x, now)
-        change = body.shell.respond(x, onward.activation).force - balance.response.force
-        change -= body.external_force(x, onward) - body.external_force(x, now)
+        body, ties, width = self.body, self.body.ties, self.last - self.first
+        now, onward = self.imposed(s), self.imposed(s + width)
+        change = body.external_force(x, now) - body.external_force(x, onward)
+        if not np.array_equal(now.activation, onward.activation):
+            change += body.shell.respond(x, onward.activation).force
+            change -= body.shell.respond(x, now.activation).force
         if now.drives.size:
-            change += balance.tangent @ (ties.offsets @ (onward.drives - now.drives))
-        return ties.collect(change) / (self.last - self.first)
+            motion = ties.offsets @ (onward.drives - now.drives)
+            change += body.balance(x, now).tangent @ motion
+        return np.asarray(ties.collect(change)) / width
 
     def direction(self, x: Array, s: float) -> Array:
         """dx/ds along the equilibrium path, from an equilibrium at ``s``."""

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 
 from stages.numerics.bsplines import Array
 
@@ -151,6 +151,8 @@ def _lanczos(size: int, number: int, **problem: Any) -> tuple[Array, Array]:
         values, shapes = eigsh(k=number, v0=start, **problem)
     except ArpackNoConvergence as error:
         raise NoModesError(f"only {len(error.eigenvalues)} of {number} modes were found") from error
+    except ArpackError as error:
+        raise NoModesError(f"there are no modes to be found ({error})") from error
     return np.asarray(values), np.asarray(shapes)
 
 
