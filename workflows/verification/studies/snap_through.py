@@ -102,7 +102,9 @@ def _path(config: SnapThroughConfig, thickness: float) -> list[tuple[float, ...]
     loading = Loading(body, body.nothing(), body.imposed_at(0.0, np.zeros(body.shell.points)))
     controls = NewtonControls(body.shell.extent, 1e-7, 1e-8, 1e-9, max_iterations=15)
     scale = config.young_modulus * thickness**2 / config.radius
-    branch, start = Branch.begin(loading, np.zeros(size), 0.0, controls, ArcControls(scale))
+    branch, start = Branch.begin(
+        loading, np.zeros(size), 0.0, controls, ArcControls(scale, max_turn=20.0)
+    )
     rows = [row(start, REGULAR)]
     for found in trace(branch, start, PathEnd(-config.deflection, middle), max_points=300):
         kinds = {"limit point": LIMIT, "bifurcation": BIFURCATION}
@@ -184,8 +186,7 @@ def draw(table: StudyTable, figure: Figure) -> None:
         figure.subplots(1, len(thicknesses), squeeze=False)[0], thicknesses, strict=True
     ):
         deflection, load, kind = of_thickness(table, thickness)
-        path = kind == REGULAR
-        axes.plot(deflection[path], load[path], ".-", ms=4, lw=1.0, label="path")
+        axes.plot(deflection, load, ".-", ms=4, lw=1.0, label="path")
         axes.plot(deflection[kind == LIMIT], load[kind == LIMIT], "o", ms=6, label="limit points")
         mine = table.column("thickness") == thickness
         axes.plot(
@@ -198,7 +199,7 @@ def draw(table: StudyTable, figure: Figure) -> None:
         )
         axes.axhline(0.0, color="#9a9a9a", lw=0.8)
         axes.set(xlabel="deflection [mm]", ylabel="load", title=f"{thickness:g} mm thick")
-        axes.legend()
+        axes.legend(loc="upper left", fontsize=7)
 
 
 STUDY = Study(
