@@ -58,8 +58,14 @@ BIAS_THICKNESSES = (13.0, 18.0, 28.0)
 BIAS_RATIOS = (0.05, 0.1, 0.17, 0.3, 0.571428571, 1.0, 2.0)
 """Width over length; 4/7 is the film of the paper, and below 0.05 the thickest is no thin shell."""
 
-COARSE: Mapping[str, Any] = {"mechanics": {"n_steps": 21}}
-"""Half the increments: only the last shape counts, and it does not depend on them."""
+COARSE: Mapping[str, Any] = {
+    "mechanics": {
+        "n_steps": 21,
+        "supports": {"clamp": {"kind": "clamped-normal", "edge": "X=0"}},
+    }
+}
+"""Half the increments, since only the last shape counts and does not depend on them; and the clamp that
+leaves the first elements free to bend, since their number is less than the paper's."""
 
 LENGTH = 3.5
 """mm, sec. 4.1."""
