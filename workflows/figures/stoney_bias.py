@@ -47,6 +47,8 @@ def draw(runs: Mapping[str, Experiment], folder: Path, name: str) -> dict[str, Q
                 if colour == PROBE_COLOURS[0]:
                     draw_limits(axes, layers, fine[0], fine[-1])
         label_axes(axes)
+        axes.set_xlim(ratio.min() / 1.5, ratio.max() * 1.2)
+        axes.set_ylim(0.68, 1.16)
         axes.legend(title="points: shell, curves: theory of long films", loc="upper right")
         figure.tight_layout()
         save(figure, folder, name)

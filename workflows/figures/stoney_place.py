@@ -40,6 +40,7 @@ def write(experiment: Experiment, folder: Path) -> None:
             reason = "no closed form for this film\n(two layers, fibres along X, a stress > 0)"
             axes.text(0.5, 0.5, reason, ha="center", va="center", transform=axes.transAxes)
         label_axes(axes)
+        axes.set_xlim(left=NARROWEST)
         figure.tight_layout()
         save(figure, folder, "stoney")
 
