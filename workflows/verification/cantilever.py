@@ -203,4 +203,6 @@ def _draw_convergence(table: StudyTable, axes: Axes) -> None:
         (line,) = axes.loglog(n, error, "o-", ms=4, label=f"p = {degree}: order {slope}")
         axes.loglog(n, error[-1] * (n[-1] / n) ** slope, color=line.get_color(), lw=0.8, ls=":")
     axes.set(xlabel="elements along the strip", ylabel="error of the tip [mm]", title="(b)")
+    axes.set_xticks(n, [f"{int(count)}" for count in n])
+    axes.minorticks_off()
     axes.legend(fontsize=8)

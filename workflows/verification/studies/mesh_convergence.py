@@ -247,6 +247,8 @@ def draw(table: StudyTable, figure: Figure) -> None:
             ideal = error[-1] * (size / size[-1]) ** order
             axes.loglog(size, ideal, color=line.get_color(), lw=0.8, ls=":")
         axes.set(xlabel="element size [mm]", title=f"error in {title}")
+        axes.set_xticks(size, [f"{value:.2g}" for value in size])
+        axes.minorticks_off()
         axes.legend(fontsize=8)
 
 
