@@ -76,10 +76,16 @@ class Controller:
     growth: float = 1.5
 
     def accepted(self, control: Control, length: float, error: float) -> Control:
-        """After a step of that length with error <= 1."""
-        now = max(error, 1e-10)
+        """After a step of that length with error <= 1.
+
+        A step may be shorter than the controller wanted, to meet the end of the interval. Its error is
+        scaled to the wanted length (up to twice its own), or lengths that do not divide the interval
+        could never be grown into.
+        """
+        wanted = min(max(control.length, length), 2.0 * length)
+        now = max(error * (wanted / length) ** self.order, 1e-10)
         factor = now ** (-0.7 / self.order) * control.error ** (0.4 / self.order)
-        return Control(length * self._bounded(factor), now)
+        return Control(wanted * self._bounded(factor), now)
 
     def rejected(self, control: Control, length: float, error: float) -> Control:
         """After a step of that length with error > 1; an infinite one if it could not be solved."""
