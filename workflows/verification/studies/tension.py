@@ -62,41 +62,37 @@ def tension(config: TensionConfig, *, run: StageRun) -> StudyTable:
 
 
 def _pulled(config: TensionConfig) -> Iterator[tuple[float, Shell, ShellResponse]]:
-    """Equilibria at growing stretches."""
+    """Equilibria at growing stretches: one edge stays in its plane, the opposite one moves away."""
     import numpy as np
 
     from stages.artefacts import Laminate, Layer
+    from stages.mechanics.body import Body
     from stages.mechanics.materials.neo_hookean import NeoHookean
     from stages.mechanics.shell import build_shell
-    from stages.numerics.newton import Linearisation, NewtonControls, newton
+    from stages.mechanics.supports.displacement import Displacement
     from stages.numerics.patches import Patch
+    from stages.time_laws.ramp import Ramp
+    from workflows.verification.ramp import ramp
 
     sheet = Patch.rectangle(config.side, config.side)
     patch = sheet.refine(config.degree, (config.elements, config.elements))
     rubber = NeoHookean(density=1.0, shear_modulus=config.shear_modulus)
     laminate = Laminate((Layer("sheet", "rubber", config.thickness, 0.0, 0.0),))
     shell = build_shell(patch, laminate, {"rubber": rubber})
-    held = np.zeros(patch.control_points.shape, dtype=bool)
-    held[[0, -1], :, 0] = held[[0, -1], :, 2] = True
-    held[:, 0, 1] = True
+    growth = config.largest_stretch - 1.0
+    supports = {
+        "held": Displacement(edge="X=0", x=0.0, z=0.0),
+        "pulled": Displacement(
+            edge="X=L1", x=growth * config.side, z=0.0, time_law=Ramp(rise_time=1.0)
+        ),
+        "guided": Displacement(edge="Y=0", y=0.0),
+    }
+    body = Body.held(shell, supports)
     silent = np.zeros(shell.points)
-
-    def linearise(u: Array) -> Linearisation:
-        response = shell.respond(u, silent)
-        tangent = shell.tangent(response)
-        residual = np.where(held.ravel(), 0.0, response.force)
-        return Linearisation(
-            residual,
-            lambda b: tangent.supported(held.ravel()).factorise().solve(b),
-            float(np.abs(tangent.diagonal).max()),
-        )
-
-    controls = NewtonControls(config.side, 1e-12, 1.0, 1e-12, max_iterations=20)
-    for stretch in np.linspace(1.0, config.largest_stretch, config.increments + 1)[1:]:
-        guess = patch.control_points * np.array([stretch - 1.0, stretch**-0.5 - 1.0, 0.0]) * 0.99
-        guess[-1, :, 0] = (stretch - 1.0) * config.side
-        u = newton(linearise, guess.ravel(), controls).x
-        yield float(stretch), shell, shell.respond(u, silent)
+    fractions = [i / config.increments for i in range(1, config.increments + 1)]
+    whole = body.imposed_at(1.0, silent)
+    for fraction, u in ramp(body, whole, fractions, first_step=1.0 / config.increments):
+        yield 1.0 + fraction * growth, shell, shell.respond(u, silent)
 
 
 def _cauchy(config: TensionConfig, response: ShellResponse) -> Array:
