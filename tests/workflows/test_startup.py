@@ -54,6 +54,8 @@ def test_help_needs_nothing_but_typer() -> None:
     [
         ["list"],
         ["show", "planar-waves"],
+        ["show", "curling"],
+        ["show", "twitch"],
         ["reproduce"],
         ["verification"],
         ["show", "verification"],
@@ -67,8 +69,9 @@ def test_listing_the_store_needs_no_numerics(tmp_path: Path) -> None:
     assert not imported("store", "ls", "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
-def test_explaining_needs_no_heavy_library(tmp_path: Path) -> None:
-    assert not imported("explain", "planar-waves", "--store", tmp_path) & (LIGHT | NUMERICS)
+@pytest.mark.parametrize("workflow", ["planar-waves", "curling", "twitch", "verification"])
+def test_explaining_needs_no_heavy_library(workflow: str, tmp_path: Path) -> None:
+    assert not imported("explain", workflow, "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
 def test_a_run_that_computes_nothing_needs_no_heavy_library(desk: Desk) -> None:
