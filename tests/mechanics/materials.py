@@ -21,7 +21,7 @@ EXAMPLES: dict[str, Material] = {
         density=0.965, shear_modulus=0.767, fibre_stiffness=21.0, fibre_exponent=5.5
     ),
     "mooney-rivlin": MooneyRivlin(density=1.1, c_1=200.0, c_2=50.0),
-    "holzapfel-ogden": HolzapfelOgden(  # Holzapfel and Ogden (2009), Table 1
+    "holzapfel-ogden": HolzapfelOgden(  # Holzapfel and Ogden (2009)
         density=1.05,
         matrix_stiffness=0.059,
         matrix_exponent=8.023,

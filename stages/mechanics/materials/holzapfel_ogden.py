@@ -3,15 +3,17 @@
     psi = a/(2 b) (exp(b (I1 - 3)) - 1) + a_f/(2 b_f) (exp(b_f (I4 - 1)^2) - 1) where I4 > 1.
 
 Fibres carry tension only: where they are shortened, their part is zero, and so is its stress at I4 = 1; its
-stiffness jumps there. The full law (their eq. 5.38) has two more parts, of the sheets and of the shear
-between fibres and sheets. A film of cultured muscle has one family in its plane and no sheets, so these are
-left out: the transversely isotropic form of their section 5.3. The matrix is incompressible, and the free
-faces of the film determine C_33 = 1/j, so I1 = t + 1/j holds the thickness strain; I4 lies in the plane.
+stiffness jumps there. The full law has two more parts, of the sheets and of the shear between fibres and
+sheets. A film of cultured muscle has one family in its plane and no sheets, so these are left out, which
+makes the law transversely isotropic. The matrix is incompressible, and the free faces of the film determine
+C_33 = 1/j, so I1 = t + 1/j holds the thickness strain; I4 lies in the plane.
 
 References
 ----------
-Holzapfel and Ogden (2009), Phil. Trans. R. Soc. A 367, 3445-3475, eq. 5.38. Their fit to the shear tests
-of Dokos et al. (2002) is a = 0.059 kPa, b = 8.023, a_f = 18.472 kPa, b_f = 16.026 (Table 1).
+Holzapfel and Ogden (2009), Constitutive modelling of passive myocardium: a structurally based framework
+for material characterization, Phil. Trans. R. Soc. A 367, 3445-3475. Their fit to the shear tests of Dokos
+et al. (2002) is a = 0.059 kPa, b = 8.023, a_f = 18.472 kPa, b_f = 16.026, as open codes quote it (for instance
+the defaults of FEniCS pulse); the paper itself was not at hand.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from stages.configuration import quantity
 from stages.mechanics.materials.base import Gradient, Hessian, Incompressible
 from stages.numerics.elementary import exp, expm1
 
-SOURCE = "Holzapfel & Ogden (2009), eq. 5.38, Table 1"
+SOURCE = "Holzapfel & Ogden (2009)"
 
 
 class Constants(NamedTuple):

@@ -8,7 +8,8 @@ References
 Sze, Liu and Lo (2004), Popular benchmark problems for geometric nonlinear analysis of shells, Finite Elem.
 Anal. Des. 40, 1551: cantilever subjected to end shear force, computed with a commercial code (quoted
 after the test suite of Elmer FEM); 0.1 % off the elastica. Mattiasson (1981), Int. J. Numer. Meth.
-Engng 17, 145, Table 1, has the elastica at P L^2/EI = 1, 2, ..., 10.
+Engng 17, 145, has the elastica at P L^2/EI = 1, 2, ..., 10 (quoted after the test suites of other codes).
+Neither table was read in the original.
 """
 
 from __future__ import annotations
