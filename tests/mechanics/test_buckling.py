@@ -8,7 +8,6 @@ import pytest
 from stages.artefacts import Laminate, Layer
 from stages.mechanics.body import Body
 from stages.mechanics.buckling import buckling_modes, softest_modes
-from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.loading import Loading
 from stages.mechanics.loads.edge_traction import EdgeTraction
 from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
@@ -22,6 +21,7 @@ from stages.numerics.newton import newton
 from stages.numerics.patches import Patch
 from stages.time_laws.constant import Constant
 from tests.mechanics import films
+from tests.mechanics.load_path import LoadPath
 
 YOUNG, LENGTH, WIDTH, THICKNESS = 1e6, 1.0, 0.2, 0.01
 EULER = np.pi**2 * YOUNG * THICKNESS**3 / 12.0 / (4.0 * LENGTH**2)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from stages.mechanics.dynamics import ShellDynamics
-from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.shell import Shell
 from stages.mechanics.time_loop import Arrival, TimeLoop
 from stages.numerics.bsplines import Array
@@ -18,6 +17,7 @@ from stages.numerics.integration import Integrator, Travel
 from stages.numerics.newton import DivergenceError, NewtonControls, NewtonSolution
 from stages.numerics.time_stepping import GeneralizedAlpha, Motion, MotionProblem
 from tests.mechanics import films
+from tests.mechanics.load_path import LoadPath
 
 
 @pytest.fixture(scope="module")

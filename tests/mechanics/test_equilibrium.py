@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.mechanics.equilibrium import Equilibrium, LoadPath, UnreachedShapeError
+from stages.mechanics.equilibrium import UnreachedShapeError
 from stages.mechanics.loading import Loading
 from stages.mechanics.shell import Shell
 from stages.numerics.newton import newton
@@ -16,7 +16,8 @@ from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.stepping import Attempt
 from stages.numerics.surface_geometry import frame_on_grid
 from tests.mechanics import films
-from tests.mechanics.cylinder import cylindrical_bending
+from tests.mechanics.load_path import Equilibrium, LoadPath
+from workflows.theory.bilayer import Bend, Ply, cylindrical, prescribed
 
 
 def path(
@@ -37,6 +38,12 @@ def bend(body: Shell, stress: float, increments: int) -> Equilibrium:
     return last.state
 
 
+def closed_form(stress: float) -> Bend:
+    """The paper's film (Table 1), far from its edges."""
+    muscle = Ply(0.004, 0.767, 21.0, 5.5, prescribed(stress))
+    return cylindrical([Ply(0.018, 500.0), muscle])
+
+
 def mean_curvature(body: Shell, displacement: np.ndarray, theta1: float) -> float:
     """Curvature along X, averaged over the width."""
     net = body.patch.control_points
@@ -49,7 +56,8 @@ def mean_curvature(body: Shell, displacement: np.ndarray, theta1: float) -> floa
 def test_the_closed_form_of_cylindrical_bending_is_in_balance_at_every_point() -> None:
     """The shell's section law, evaluated on the exact cylinder: N11 = M11 = N22 = 0."""
     stress = 12.2
-    lx, ly, k = cylindrical_bending(stress)
+    bent = closed_form(stress)
+    lx, ly, k = bent.stretch_x, bent.stretch_y, bent.curvature_x
     body = films.shell(films.flat((12, 1), degree=5), films.two_layers(angle=0.0))
     grid = body.patch.evaluate(body.patch.first.greville(), body.patch.second.greville())
     arc = k * lx * grid[:, 0]
@@ -69,7 +77,7 @@ def test_a_film_bends_as_the_closed_form_says_but_for_its_edges() -> None:
     """Along its sides a strip of order sqrt(R d) = 0.2 mm curls more; so the mean is a little higher."""
     body = films.shell(films.flat((8, 6), degree=3, length=2.0), films.two_layers(angle=0.0))
     last = bend(body, 12.2, increments=14)
-    _, _, k = cylindrical_bending(12.2)
+    k = closed_form(12.2).curvature_x
     excess = mean_curvature(body, last.displacement, 0.6) / k - 1.0
     # a strip on each of the two sides of a 2 mm film, with at most a third more curvature in it
     assert 0.0 < excess < 2 * 0.2 / 2.0 / 3.0
@@ -77,7 +85,7 @@ def test_a_film_bends_as_the_closed_form_says_but_for_its_edges() -> None:
 
 @pytest.mark.slow
 def test_the_edge_effect_fades_with_the_width_of_the_film() -> None:
-    _, _, k = cylindrical_bending(12.2)
+    k = closed_form(12.2).curvature_x
     excess = []
     for width, elements in ((2.0, 8), (4.0, 16)):
         patch = films.flat((8, elements), degree=4, length=2.0, width=width)

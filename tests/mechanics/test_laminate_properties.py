@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.shell import Shell, build_shell
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from tests.mechanics import films, materials, tensions
+from tests.mechanics.load_path import LoadPath
 
 SMALL = films.flat((2, 2))
 SQUARE = films.flat((3, 3), length=2.0, width=2.0)

@@ -12,7 +12,6 @@ from pydantic import ValidationError
 
 from stages.configuration import OneOf
 from stages.mechanics.body import Body
-from stages.mechanics.equilibrium import LoadPath
 from stages.mechanics.forces.base import Force
 from stages.mechanics.forces.pressure import Pressure
 from stages.mechanics.loads.area import AreaLoad
@@ -32,6 +31,7 @@ from stages.numerics.patches import Patch
 from stages.numerics.shapes import cylindrical_panel
 from stages.time_laws.constant import Constant
 from tests.mechanics import films
+from tests.mechanics.load_path import LoadPath
 
 LAW = Constant()
 VECTOR = (0.3, -0.2, 0.7)

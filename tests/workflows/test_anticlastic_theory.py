@@ -5,10 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workflows.theory.anticlastic import edge_width, film_of_width, plate_moment
+from workflows.theory.anticlastic import film_of_width
 from workflows.theory.bilayer import Ply, cylindrical, free_strip, prescribed
 
 FILM = [Ply(0.018, 500.0), Ply(0.004, 0.767, 21.0, 5.5, prescribed(12.2))]
+
+
+def edge_width(curvature: float, thickness: float, poisson: float) -> float:
+    """sqrt(t/k)/(3 (1 - nu^2))^(1/4): width of the curled strips of a plate of one material."""
+    return float(np.sqrt(thickness / curvature) / (3.0 * (1.0 - poisson**2)) ** 0.25)
+
+
+def plate_moment(x: float, poisson: float) -> float:
+    """Moment per width and curvature of a bent plate, over its rigidity D, at x = width/edge width.
+
+    M/(D k) = 1 - nu^2 ((3/2x)(cosh x - cos x)/(sinh x + sin x) + sinh x sin x/(sinh x + sin x)^2),
+
+    the derivative of the least energy D k^2/2 (1 - nu^2 (2/x)(cosh x - cos x)/(sinh x + sin x)) with
+    respect to k, on which x depends too.
+    """
+    below = np.sinh(x) + np.sin(x)
+    bent = 1.5 / x * (np.cosh(x) - np.cos(x)) / below
+    return float(1.0 - poisson**2 * (bent + np.sinh(x) * np.sin(x) / below**2))
 
 
 def test_the_plate_moment_is_the_derivative_of_its_energy() -> None:
@@ -22,6 +40,9 @@ def test_the_plate_moment_is_the_derivative_of_its_energy() -> None:
         slope = (energy(k + step) - energy(k - step)) / (2 * step)
         # central differences: truncation and round-off of relative size 1e-10
         assert plate_moment(2.0 * np.sqrt(k), 0.5) == pytest.approx(slope / k, rel=1e-8)
+    # from a beam to a plate that cannot curl across
+    assert plate_moment(1e-3, 0.5) == pytest.approx(0.75, abs=1e-6)
+    assert plate_moment(100.0, 0.5) == pytest.approx(1.0 - 0.25 * 1.5 / 100.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("width", [0.05, 0.2, 0.5, 1.0, 2.0])

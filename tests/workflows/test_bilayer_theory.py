@@ -1,16 +1,14 @@
-"""Closed forms of the bending film: against beam theory, against each other, and against a twin."""
+"""Closed forms of the bending film: against beam theory, and against each other."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.mechanics.cylinder import cylindrical_bending
 from workflows.theory.bilayer import (
     Ply,
     cylindrical,
     free_strip,
-    length_dependent,
     prescribed,
     resultants,
 )
@@ -36,14 +34,6 @@ def test_a_weakly_pulled_strip_bends_as_a_composite_beam() -> None:
     assert bend.curvature_y == pytest.approx(0.5 * change, rel=1e-5)
 
 
-def test_the_cylinder_agrees_with_its_twin() -> None:
-    bend = cylindrical(film(12.2))
-    # two codes of the same equations, each solved to 1e-13 in strain; k d/2 is 6e-3
-    np.testing.assert_allclose(
-        (bend.stretch_x, bend.stretch_y, bend.curvature_x), cylindrical_bending(12.2), rtol=1e-10
-    )
-
-
 @pytest.mark.parametrize("stress", [2.8, 12.2, 60.0])
 def test_the_free_strip_is_in_balance_and_the_cylinder_resists_curling_across(
     stress: float,
@@ -63,13 +53,6 @@ def test_a_wide_film_has_three_quarters_of_the_curvature_of_a_narrow_one() -> No
         ratio = cylindrical(film(stress)).curvature_x / free_strip(film(stress)).curvature_x
         # 3/4 but for the passive stiffness of the muscle and for finite strains
         assert ratio == pytest.approx(0.75, abs=0.01)
-
-
-def test_length_dependent_tension_is_a_parabola_inside_its_range() -> None:
-    tension = length_dependent(peak=10.0, optimum=1.2, shortest=0.8, longest=1.25, prestretch=1.1)
-    found = tension(np.array([0.79, 0.9, 1.0, 1.1, 1.2, 1.26]))
-    # the peak is where l + 0.1 = 1.2; it has fallen to zero 0.2 away
-    np.testing.assert_allclose(found, [0.0, 0.0, 7.5, 10.0, 7.5, 0.0], atol=1e-12)
 
 
 def test_a_stress_beyond_the_film_is_refused() -> None:

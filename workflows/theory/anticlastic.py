@@ -64,41 +64,6 @@ class _Section:
     curvature: float
 
 
-def edge_width(curvature: float, thickness: float, poisson: float) -> float:
-    """sqrt(t/k)/(3 (1 - nu^2))^(1/4): width of the curled strips of a plate of one material.
-
-    Examples
-    --------
-    The substrate of the paper's film at 12.2 kPa, R = 1.8 mm:
-
-    >>> round(edge_width(0.55, 0.018, 0.5), 3)
-    0.148
-    """
-    return float(np.sqrt(thickness / curvature) / (3.0 * (1.0 - poisson**2)) ** 0.25)
-
-
-def plate_moment(x: float, poisson: float) -> float:
-    """Moment per width and curvature of a bent plate, over its rigidity D, at x = width/edge width.
-
-    M/(D k) = 1 - nu^2 ((3/2x)(cosh x - cos x)/(sinh x + sin x) + sinh x sin x/(sinh x + sin x)^2),
-
-    the derivative of the least energy D k^2/2 (1 - nu^2 (2/x)(cosh x - cos x)/(sinh x + sin x)) with
-    respect to k, on which x depends too.
-
-    Examples
-    --------
-    From a beam, (1 - nu^2) D, to a plate that cannot curl across:
-
-    >>> round(plate_moment(1e-3, 0.5), 6), round(plate_moment(1e6, 0.5), 6)
-    (0.75, 1.0)
-    """
-    if x > 300.0:  # both fractions at their limits, 1 and 0, long before cosh overflows
-        return 1.0 - poisson**2 * 1.5 / x
-    below = np.sinh(x) + np.sin(x)
-    bent = 1.5 / x * (np.cosh(x) - np.cos(x)) / below
-    return float(1.0 - poisson**2 * (bent + np.sinh(x) * np.sin(x) / below**2))
-
-
 def film_of_width(plies: Sequence[Ply], width: float) -> WideFilm:
     """Long film of that width under its own active stress.
 

@@ -88,19 +88,6 @@ def prescribed(stress: float) -> Tension:
     return lambda stretch: np.full_like(stretch, stress)
 
 
-def length_dependent(
-    peak: float, optimum: float, shortest: float, longest: float, prestretch: float
-) -> Tension:
-    """sigma_a = P (1 - (l + l_s - 1 - l_0)^2/(1 - l_0)^2) for l in [shortest, longest], else 0 (eq. 96)."""
-
-    def tension(stretch: Array) -> Array:
-        away = (stretch + prestretch - 1.0 - optimum) / (1.0 - optimum)
-        inside = (stretch >= shortest) & (stretch <= longest)
-        return np.where(inside, peak * (1.0 - away**2), 0.0)
-
-    return tension
-
-
 def free_strip(plies: Sequence[Ply]) -> Bend:
     """Narrow film: N11 = M11 = N22 = M22 = 0, anticlastic.
 
