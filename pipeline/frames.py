@@ -19,7 +19,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True)
 class FrameShapes(Generic[R]):
-    """``count`` frames of the streamed fields of a record.
+    """``count`` frames of the streamed fields of a record, or, with ``fewer``, as many at most.
 
     Raises
     ------
@@ -31,6 +31,7 @@ class FrameShapes(Generic[R]):
     record: type[R]
     count: int
     shapes: Mapping[str, tuple[int, ...]]
+    fewer: bool = False
 
     def __post_init__(self) -> None:
         timed = [
@@ -74,7 +75,7 @@ class FrameShapes(Generic[R]):
 
     def check_finished(self, done: int, fields: Mapping[str, Any]) -> None:
         """Raise ``ValueError`` unless all frames are there and the other fields are the right ones."""
-        if done != self.count:
+        if done != self.count and not (self.fewer and 0 < done < self.count):
             raise ValueError(
                 f"{self.record.__name__} ends after {done} of the {self.count} frames announced"
             )

@@ -35,7 +35,8 @@ class MemoryHistory(Generic[R]):
         self._frames.check_finished(self.frames_done, fields)
         for name, shape in self._frames.shapes.items():
             self._fields.setdefault(name, np.zeros((0, *shape), self._frames.dtype(name)))
-        return self._frames.record(**self._fields, **fields)
+        streamed = {name: values[: self.frames_done] for name, values in self._fields.items()}
+        return self._frames.record(**streamed, **fields)
 
 
 class MemoryRun:
@@ -63,11 +64,16 @@ class MemoryRun:
         self._histories: dict[type, MemoryHistory[Any]] = {}
 
     def stream(
-        self, record: type[R], *, frames: int, shapes: Mapping[str, tuple[int, ...]]
+        self,
+        record: type[R],
+        *,
+        frames: int,
+        shapes: Mapping[str, tuple[int, ...]],
+        fewer: bool = False,
     ) -> MemoryHistory[R]:
         """Begin a history, or continue the one that was stopped."""
         if self._state is None or record not in self._histories:
-            self._histories[record] = MemoryHistory(FrameShapes(record, frames, shapes))
+            self._histories[record] = MemoryHistory(FrameShapes(record, frames, shapes, fewer))
         return self._histories[record]
 
     def resume(self) -> dict[str, NDArray[Any]] | None:

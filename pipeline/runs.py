@@ -49,7 +49,12 @@ class StageRun(Protocol):
     """The engine's side of one running stage."""
 
     def stream(
-        self, record: type[R], *, frames: int, shapes: Mapping[str, tuple[int, ...]]
+        self,
+        record: type[R],
+        *,
+        frames: int,
+        shapes: Mapping[str, tuple[int, ...]],
+        fewer: bool = False,
     ) -> History[R]:
         """Begin a history of a record, or continue the one of an interrupted run.
 
@@ -61,6 +66,8 @@ class StageRun(Protocol):
             Number of frames of the whole history.
         shapes
             Shape of one frame of each streamed field; the field's first axis is ``"time"``.
+        fewer
+            Whether the history may end with fewer frames, since nobody knows before how many it takes.
         """
         ...
 

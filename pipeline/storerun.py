@@ -95,7 +95,12 @@ class StoreRun:
         return before + time.process_time() - self._cpu_started
 
     def stream(
-        self, record: type[R], *, frames: int, shapes: Mapping[str, tuple[int, ...]]
+        self,
+        record: type[R],
+        *,
+        frames: int,
+        shapes: Mapping[str, tuple[int, ...]],
+        fewer: bool = False,
     ) -> StoredHistory[R]:
         """Begin a history of the result or of one of its parts, or continue it.
 
@@ -113,9 +118,8 @@ class StoreRun:
         if stored_as(record) != "zarr":
             raise ValueError(f"{record.__name__} cannot be streamed: it is not kept as zarr")
         saved = self._from.streams.get(parts[0]) if self._from else None
-        history = StoredHistory(
-            part_path(self.work.data, parts[0], record), FrameShapes(record, frames, shapes), saved
-        )
+        path = part_path(self.work.data, parts[0], record)
+        history = StoredHistory(path, FrameShapes(record, frames, shapes, fewer), saved)
         self.histories[parts[0]] = history
         return history
 

@@ -90,6 +90,8 @@ class StoredHistory(Generic[R]):
             if not self._arrays:
                 self._allocate({name: self._frames.dtype(name) for name in self._frames.shapes})
             self.flush()
+            if self.frames_done < self._frames.count:
+                self._shorten()
             record = self._frames.record(**self._arrays, **fields)
             tree.write(record, GroupWriter(self._group), written=self._frames.shapes)
         self.record = record
@@ -110,6 +112,11 @@ class StoredHistory(Generic[R]):
                 self._group, name, whole, dtypes[name], unit, axes, FRAMES_PER_CHUNK
             )
             self._buffers[name] = np.zeros((FRAMES_PER_CHUNK, *shape), dtypes[name])
+
+    def _shorten(self) -> None:
+        """Let the arrays end with the last frame."""
+        for array in self._arrays.values():
+            array.resize((self.frames_done, *array.shape[1:]))
 
     def _write(self, rows: int) -> None:
         if rows == 0:

@@ -49,7 +49,7 @@ def save_at(self, state):
     if self.histories["record"].frames_done in {saves}:
         save(self, state)
 storerun.StoreRun._save = save_at
-run(plan(pause={pause}), LocalStore({store!r}), listen=listen, checkpoint_interval=0)
+run(plan(pause={pause}, **{config}), LocalStore({store!r}), listen=listen, checkpoint_interval=0)
 """
 
 
@@ -58,8 +58,8 @@ def plan(pause: float = 0.0, **config: Any) -> dict[str, Node[Any]]:
     return {"wave": toy.wave(toy.WaveConfig(pause=pause, **config), surface=film.part("surface"))}
 
 
-def slow(store: LocalStore, saves: str = "range(1000)", pause: float = 0.01) -> str:
-    return SLOW.format(store=str(store.path), saves=saves, pause=pause)
+def slow(store: LocalStore, saves: str = "range(1000)", pause: float = 0.01, **config: Any) -> str:
+    return SLOW.format(store=str(store.path), saves=saves, pause=pause, config=config)
 
 
 def read_until(process: subprocess.Popen[str], line: str) -> list[str]:
@@ -72,8 +72,10 @@ def read_until(process: subprocess.Popen[str], line: str) -> list[str]:
     return lines
 
 
-def kill_at(frame: int, store: LocalStore, start: Start, saves: str = "range(1000)") -> None:
-    process = start(slow(store, saves))
+def kill_at(
+    frame: int, store: LocalStore, start: Start, saves: str = "range(1000)", **config: Any
+) -> None:
+    process = start(slow(store, saves, **config))
     read_until(process, str(frame))
     process.send_signal(signal.SIGKILL)
     process.wait(timeout=30)
@@ -122,6 +124,20 @@ def test_chunks_written_after_the_checkpoint_are_written_again(
     kill_at(130, store, start, saves="[70]")
     assert resumed_frames(store) == 70
     assert_same_bytes(store, unbroken)
+
+
+@pytest.mark.parametrize("end", [128, 100])
+def test_a_history_that_ends_early_resumes_to_the_same_bytes(
+    end: int, store: LocalStore, tmp_path: Path, start: Start
+) -> None:
+    unbroken = LocalStore(tmp_path / "unbroken")
+    outcome = run(plan(ends_at=end), unbroken)["wave"]
+    kill_at(70, store, start, ends_at=end)
+    assert (resumed_frames(store, ends_at=end) or 0) >= 70
+    assert_same_bytes(store, unbroken)
+    assert outcome.load().potential.shape == (end, toy.POINTS)
+    whole = run(plan(), unbroken)["wave"].load()
+    np.testing.assert_array_equal(outcome.load().potential[...], whole.potential[:end])
 
 
 def test_a_run_killed_twice_resumes_twice(

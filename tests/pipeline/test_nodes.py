@@ -54,6 +54,15 @@ def test_a_history_in_memory_has_the_types_that_are_stored() -> None:
     assert wave.energy.dtype == "float64"
 
 
+def test_a_history_of_unknown_length_ends_with_the_frames_that_came() -> None:
+    film = toy.mesh.compute(toy.MeshConfig())
+    wave = toy.wave.compute(toy.WaveConfig(frames=9, ends_at=3), film.surface)
+    assert wave.potential.shape == (3, toy.POINTS)
+    assert wave.time.shape == wave.energy.shape == (3,)
+    with pytest.raises(ValueError, match="ends after 0 of the 9 frames announced"):
+        toy.wave.compute(toy.WaveConfig(frames=9, ends_at=0), film.surface)
+
+
 def test_inputs_may_be_given_by_place_or_by_role() -> None:
     a, b = number(Config(1)), number(Config(2))
     assert total(Config(), a, b).inputs == total(Config(), second=b, first=a).inputs

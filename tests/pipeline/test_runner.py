@@ -159,7 +159,8 @@ def test_two_stores_and_two_processes_make_the_same_bytes(
 
 def test_the_manifest_tells_how_a_result_came_about(store: LocalStore) -> None:
     manifest = run(plan(), store)["wave"].manifest
-    assert manifest.config == {"gain": 1.0, "frames": toy.FRAMES, "fail_at": -1}
+    config = {"gain": 1.0, "frames": toy.FRAMES, "fail_at": -1, "ends_at": -1}
+    assert manifest.config == config
     assert manifest.modules.keys() >= {"tests.pipeline.toy"}
     assert manifest.inputs["surface"].stage == "mesh"
     assert manifest.inputs["surface"].part == "surface"

@@ -27,6 +27,7 @@ class WaveConfig(BaseModel):
     gain: float = 1.0
     frames: int = FRAMES
     fail_at: int = -1
+    ends_at: int = -1
     pause: float = Field(default=0.0, json_schema_extra={"keyed": False})
 
 
@@ -84,10 +85,16 @@ def wave(config: WaveConfig, surface: Surface, *, run: StageRun) -> Wave:
     """History that depends on all of its past, so that a wrong resume is seen."""
     import numpy as np
 
-    history = run.stream(Wave, frames=config.frames, shapes={"potential": (POINTS,), "energy": ()})
+    history = run.stream(
+        Wave,
+        frames=config.frames,
+        shapes={"potential": (POINTS,), "energy": ()},
+        fewer=config.ends_at >= 0,
+    )
     state = run.resume()
     v = surface.points[:, 0].copy() if state is None else state["v"]
-    for frame in range(history.frames_done, config.frames):
+    frames = config.frames if config.ends_at < 0 else config.ends_at
+    for frame in range(history.frames_done, frames):
         if frame == config.fail_at:
             raise WaveError(f"no convergence in frame {frame}")
         np.add(v, config.gain * np.sin(v + frame), out=v)  # in place, as compiled kernels do
@@ -96,7 +103,7 @@ def wave(config: WaveConfig, surface: Surface, *, run: StageRun) -> Wave:
         run.checkpoint(lambda: {"v": v})
         run.progress(frame + 1, config.frames)
     run.note("norm", np.sqrt(np.sum(v**2)))
-    return history.finish(time=np.arange(float(config.frames)), resumed=False)
+    return history.finish(time=np.arange(float(frames)), resumed=False)
 
 
 @stage
