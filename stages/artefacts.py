@@ -153,9 +153,13 @@ class Deformation:
 class Equilibria:
     """Quasi-static shapes of the shell, one for each frame of its loading (eqs. 45, 52).
 
-    ``time`` orders the loading and has no inertia to act on. ``external_work`` is what loads and moved
+    ``time`` orders the loading and has no inertia to act on. What acts in a frame is what the time laws
+    say at its time, and ``load_factor`` is 1. Control by arc length is different: what acts is ``load_factor``
+    times what they say at the last instant, ``time`` merely numbers the points of the path by
+    i duration/n_steps, and ``limit_loads`` and ``bifurcation_loads`` are the load factors of the critical points
+    passed, in their order. ``external_work`` is what loads and moved
     supports have done since the unloaded film, ``strain_energy`` is the passive one. ``load_step`` is
-    the smallest part of a frame's interval that had to be taken on its own, and
+    the smallest part of a frame's interval that had to be taken on its own (NaN by arc length), and
     ``unstable_directions`` the number of negative pivots of the tangent: zero where the shape is
     stable. Fibres as in :class:`Deformation`.
     """
@@ -168,9 +172,23 @@ class Equilibria:
     external_work: Array = array("kPa mm^3", "time")
     newton_iterations: Array = array("1", "time")
     load_step: Array = array("ms", "time")
+    load_factor: Array = array("1", "time")
     unstable_directions: Array = array("1", "time")
+    limit_loads: Array = array("1", "limit_point")
+    bifurcation_loads: Array = array("1", "bifurcation")
     fibre_stretch: Array = array("1", "time", "quadrature_point", stored="float32")
     active_stress: Array = array("kPa", "time", "quadrature_point", stored="float32")
+
+
+@dataclass(frozen=True)
+class BucklingModes:
+    """Factors of a loading that buckle the film, smallest modulus first, and how it buckles.
+
+    Negative factors belong to the reversed loading. The largest displacement of a mode is 1.
+    """
+
+    factors: Array = array("1", "mode")
+    shapes: Array = array("1", "mode", "control_point", "xyz")
 
 
 @dataclass(frozen=True)
@@ -178,11 +196,13 @@ class ShapeMeasures:
     """What an experimenter would read off a film under imposed activation, over time.
 
     ``tip`` is the displacement of the middle of the free edge, ``turning`` the largest angle between
-    two tangents of the mid-axis, ``mean_active_stress`` a mean over the film.
+    two tangents of the mid-axis, ``mean_active_stress`` a mean over the film. ``load_factor`` is that of
+    :class:`Equilibria`, 1 for a film in motion.
     """
 
     probe_names: tuple[str, ...]
     time: Array = array("ms", "time")
+    load_factor: Array = array("1", "time")
     probe_points: Array = array("mm", "probe", "xyz")
     displacement: Array = array("mm", "time", "probe", "xyz")
     fibre_stretch: Array = array("1", "time", "probe")
@@ -192,6 +212,11 @@ class ShapeMeasures:
     curvature: Array = array("1/mm", "time")
     turning: Array = array("degree", "time")
     mean_active_stress: Array = array("kPa", "time")
+
+    @property
+    def along_path(self) -> bool:
+        """Whether the frames are points of a path along which the load factor varies."""
+        return bool((self.load_factor != 1.0).any())
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ def run_stage(
     with watching(quiet=quiet, verbose=verbose) as listen:
         outcomes = run(nodes, kept, listen=listen)
     quantities = {}
-    if set(request.workflow.measured) <= outcomes.keys():
+    if set(request.measured) <= outcomes.keys():
         quantities = read_quantities(request, outcomes, ledger)
     write_summary(request, outcomes, quantities, folder)
     if not quiet:
@@ -159,7 +159,7 @@ def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Pat
     print()
     for line in aligned(rows, indent="  "):
         print(line)
-    exports = request.workflow.exports
+    exports = request.exports
     pictures = [e.files[0] for e in exports if e.kind == "picture"]
     data = ["summary.json", *(e.files[0] for e in exports if e.kind == "data")]
     width = shutil.get_terminal_size().columns

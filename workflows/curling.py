@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stages.mechanics.config import EquilibriumConfig
 from workflows.imposed_film import FILM, PROBES, SHAPES, ImposedFilmConfig, plan_film
+from workflows.stability import MODES, MODES_FILE, stability_quantities
 from workflows.stoney import bias_quantities, bias_remarks, modified_stoney
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -22,10 +23,21 @@ class CurlingConfig(ImposedFilmConfig):
 
 
 def plan(config: CurlingConfig) -> Mapping[str, Node[Any]]:
-    """The four stages; the mechanics is quasi-static."""
-    from stages.mechanics.stage import equilibrium
+    """The four stages, of which the mechanics is quasi-static, and buckling modes on demand."""
+    from stages.mechanics.stage import buckling, equilibrium
 
-    return plan_film(config, equilibrium)
+    shell = config.mechanics
+    path = shell.model_copy(update={"buckling_modes": 0})  # they have no influence on it
+    nodes = dict(plan_film(config.model_copy(update={"mechanics": path}), equilibrium))
+    if shell.buckling_modes:
+        film, stress = nodes["geometry"], nodes["activation"]
+        nodes["buckling"] = buckling(
+            shell,
+            mid_surface=film.part("mid_surface"),
+            laminate=film.part("laminate"),
+            stress=stress,
+        )
+    return nodes
 
 
 def quantities(experiment: Experiment) -> dict[str, Quantity]:
@@ -57,7 +69,7 @@ def quantities(experiment: Experiment) -> dict[str, Quantity]:
             "modified Stoney approximation as published (eq. 102); it contains no peak stress",
         ),
     }
-    return found | bias_quantities(experiment)
+    return found | bias_quantities(experiment) | stability_quantities(experiment)
 
 
 WORKFLOW = Workflow(
@@ -67,16 +79,18 @@ WORKFLOW = Workflow(
     config=CurlingConfig,
     plan=plan,
     quantities=quantities,
-    measured=("postprocessing",),
+    measured=("mechanics", "postprocessing", "buckling"),
     exports=(
         SHAPES,
         Export(
             files=("curling.png", "curling.svg"),
             modules=("workflows.figures.curling",),
-            stages=("postprocessing",),
+            stages=("mechanics", "postprocessing"),
             kind="picture",
-            caption="(a) Curvature and (b) displacement of the tip as the active stress grows.",
+            caption="(a) Curvature and (b) displacement of the tip as the active stress grows; along a path "
+            "by arc length, against the load factor, with dotted lines at its limit points.",
         ),
+        MODES,
         Export(
             files=("stoney.png", "stoney.svg"),
             modules=("workflows.figures.stoney_place",),
@@ -89,6 +103,7 @@ WORKFLOW = Workflow(
         ),
         PROBES,
         FILM,
+        MODES_FILE,
     ),
     remarks=bias_remarks,
 )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stages.artefacts import (
         ActivationHistory,
+        BucklingModes,
         Deformation,
         Equilibria,
         Measures,
@@ -46,6 +47,16 @@ class Experiment:
     def deformation(self) -> Deformation | Equilibria:
         """Shapes of the shell over time."""
         return self.load("mechanics")
+
+    @cached_property
+    def path(self) -> Equilibria:
+        """The same of a quasi-static run."""
+        return self.load("mechanics")
+
+    @cached_property
+    def buckling(self) -> BucklingModes:
+        """Buckling modes, where they were asked for."""
+        return self.load("buckling")
 
     @cached_property
     def measures(self) -> Measures:

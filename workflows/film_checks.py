@@ -46,15 +46,20 @@ def unusable_layers(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
 
 
 def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
-    """Points that are held, moved or loaded and do not lie on the film."""
+    """Points that are held, moved, loaded or waited for and do not lie on the film."""
+    until = getattr(getattr(shell, "control", None), "until", None)
+    if until is not None:
+        yield from _off_the_film("mechanics.control.until.position", until.position, film)
     for section, tables in (("supports", shell.supports), ("loads", shell.loads)):
         for label, table in tables.items():
-            x, y = getattr(table, "position", None) or (0.0, 0.0)
-            if not (0 <= x <= film.length and 0 <= y <= film.width):
-                yield (
-                    f"mechanics.{section}.{label}.position = ({exact(x)}, {exact(y)}) mm lies outside "
-                    f"the film {extent(film)}"
-                )
+            place = getattr(table, "position", None) or (0.0, 0.0)
+            yield from _off_the_film(f"mechanics.{section}.{label}.position", place, film)
+
+
+def _off_the_film(name: str, place: tuple[float, float], film: FilmConfig) -> Iterator[str]:
+    x, y = place
+    if not (0 <= x <= film.length and 0 <= y <= film.width):
+        yield f"{name} = ({exact(x)}, {exact(y)}) mm lies outside the film {extent(film)}"
 
 
 def extent(film: FilmConfig) -> str:

@@ -83,13 +83,14 @@ PROBES = Export(
     modules=("workflows.exports.shape_probes",),
     stages=("postprocessing",),
     kind="data",
-    caption="Displacement, active stress and fibre stretch of each probe over time.",
+    caption="Displacement, active stress and fibre stretch of each probe over time, or along a path by "
+    "arc length.",
 )
 
 FILM = Export(
     files=("film.vtkhdf",),
     modules=("workflows.exports.paraview_shapes",),
-    stages=("geometry", "mechanics"),
+    stages=("geometry", "mechanics", "postprocessing"),
     kind="data",
     caption="The moving film with active stress and fibre stretch, for ParaView 5.12 or newer.",
 )
@@ -97,7 +98,7 @@ FILM = Export(
 SHAPES = Export(
     files=("shapes.png", "shapes.svg"),
     modules=("workflows.figures.shapes",),
-    stages=("geometry", "mechanics"),
+    stages=("geometry", "mechanics", "postprocessing"),
     kind="picture",
     caption="The film at six times, coloured by the size of its displacement. The thick edge is "
     "clamped; the dashed outline is the film at rest.",

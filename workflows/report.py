@@ -40,11 +40,11 @@ def render(
         quantities=quantities,
         pictures=[
             {"caption": export.caption, "source": _inlined(folder / export.files[0])}
-            for export in workflow.exports
+            for export in request.exports
             if export.kind == "picture"
         ],
         remarks=workflow.remarks(quantities),
-        data=[export for export in workflow.exports if export.kind == "data"],
+        data=[export for export in request.exports if export.kind == "data"],
         stages=[_stage(name, outcome) for name, outcome in outcomes.items()],
         sections=_sections(request),
     )

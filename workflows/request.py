@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from pipeline.nodes import Node
     from pipeline.store import LocalStore
-    from workflows.workflow import Workflow
+    from workflows.workflow import Export, Workflow
 
 NOTHING: Mapping[str, Any] = {}
 
@@ -53,6 +53,17 @@ class Request:
         if config is not None:
             layers.append(read_toml(config))
         return cls(workflow, load(workflow.config, layers, overrides))
+
+    @property
+    def exports(self) -> tuple[Export, ...]:
+        """Files that this configuration asks for."""
+        return tuple(export for export in self.workflow.exports if export.shown(self.config))
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """Planned stages whose results the quantities read."""
+        planned = self.workflow.plan(self.config)
+        return tuple(stage for stage in self.workflow.measured if stage in planned)
 
     def nodes(self, last: str | None = None) -> Mapping[str, Node[Any]]:
         """Planned stages by name, all or those that the stage ``last`` needs, itself included.

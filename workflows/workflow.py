@@ -68,6 +68,11 @@ def check_limits(quantities: Mapping[str, Quantity]) -> None:
         raise LimitError("\n".join(["not verified:", *beyond]))
 
 
+def always(config: Any) -> bool:
+    """Whatever is configured."""
+    return True
+
+
 @dataclass(frozen=True)
 class Export:
     """Files made from results.
@@ -89,6 +94,8 @@ class Export:
         Sections of the configuration that they show.
     arguments
         What ``write`` is told.
+    shown
+        Whether a configuration asks for them.
     """
 
     files: tuple[str, ...]
@@ -98,6 +105,7 @@ class Export:
     caption: str
     sections: tuple[str, ...] = ()
     arguments: tuple[str, ...] = ()
+    shown: Callable[[Any], bool] = always
 
 
 def no_remarks(quantities: Mapping[str, Quantity]) -> Sequence[str]:
@@ -125,9 +133,9 @@ class Workflow:
         From an experiment to the numbers to report; they may depend on its configuration and on the
         results of the stages ``measured``.
     measured
-        Stages whose results ``quantities`` reads.
+        Stages whose results ``quantities`` reads, if they are planned.
     exports
-        Files for the output folder.
+        Files for the output folder, for the configurations that ask for them.
     remarks
         What the numbers of a run mean for its reader, a paragraph each.
     """

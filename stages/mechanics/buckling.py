@@ -53,6 +53,14 @@ def buckling_modes(body: Body, imposed: Imposed, number: int, part: float = 1e-4
     return _expanded(body, modes)
 
 
+def scaled_modes(body: Body, imposed: Imposed, number: int) -> tuple[Array, Array]:
+    """The same factors, and modes of the shape ``(number, control point, 3)`` with a largest motion of 1."""
+    modes = buckling_modes(body, imposed, number)
+    shapes = modes.shapes.reshape(number, -1, 3)
+    largest = np.linalg.norm(shapes, axis=2).max(axis=1)
+    return modes.values, np.asarray(shapes / largest[:, None, None])
+
+
 def softest_modes(balance: Balance, number: int) -> Modes:
     """Eigenvalues of the tangent closest to zero, and their motions, at a shape.
 

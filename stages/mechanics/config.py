@@ -8,6 +8,8 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, Section, quantity, setting
+from stages.mechanics.controls.base import Control
+from stages.mechanics.controls.load import LoadControl
 from stages.mechanics.loads.base import Load
 from stages.mechanics.materials.base import Material
 from stages.mechanics.supports.base import Support
@@ -17,6 +19,7 @@ AnyMaterial = Annotated[Material, OneOf("stages.mechanics.materials", Material)]
 AnyTensionLaw = Annotated[TensionLaw, OneOf("stages.mechanics.tension_laws", TensionLaw)]
 AnyLoad = Annotated[Load, OneOf("stages.mechanics.loads", Load, tag="kind")]
 AnySupport = Annotated[Support, OneOf("stages.mechanics.supports", Support, tag="kind")]
+AnyControl = Annotated[Control, OneOf("stages.mechanics.controls", Control, tag="kind")]
 
 
 class ShellConfig(Section):
@@ -152,6 +155,17 @@ class EquilibriumConfig(ShellConfig):
         gt=0,
         le=1,
         default=1.0,
+    )
+    control: AnyControl = setting(
+        "what a run proceeds by: load (the time laws say what acts) or arc-length (past limit points)",
+        default_factory=LoadControl,
+    )
+    buckling_modes: int = setting(
+        "number of buckling modes, linearised at the film at rest; factors are those of what acts at "
+        "the last instant",
+        ge=0,
+        le=1000,
+        default=0,
     )
 
     @model_validator(mode="after")

@@ -84,13 +84,14 @@ class UnreachedShapeError(Exception):
             end.failure.remedy,
             "allow shorter load steps (mechanics.max_halvings) or more iterations "
             "(mechanics.max_iterations)",
-            "where the load has a maximum no step is short enough: move a support instead of "
-            "loading (mechanics.supports, kind = displacement)",
+            "where the load has a maximum no step is short enough: follow the path past it by arc length "
+            "(mechanics.control = arc-length), or move a support instead of loading "
+            "(mechanics.supports, kind = displacement)",
         ]
         if number > 1:
             remedies.append(
                 f"for a result with the shapes up to the last one reached, set mechanics.n_steps = "
-                f"{number - 1} and mechanics.duration = {(number - 1) * step:g}"
+                f"{number - 1} and mechanics.duration = {(number - 1) * step:.12g}"
             )
         self.remedy = "; or ".join(remedies)
         super().__init__(

@@ -1,9 +1,9 @@
-"""What a quasi-static run has to tell: divided steps, lost stability, a film rolled up."""
+"""What a quasi-static run has to tell: divided steps, critical points, a film rolled up."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from stages.mechanics.body import Balance
 from stages.mechanics.equilibrium import Shape
 from stages.mechanics.roll_up import largest_turn
+from stages.numerics.critical import Critical
 
 
 @dataclass
@@ -25,25 +26,41 @@ class LoadingLog:
         Unstable directions in the last frame.
     rolled
         Whether the film has rolled up into a full circle.
+    limits, bifurcations
+        Load factors of the critical points passed, in their order.
     """
 
     divided: int = 0
     unstable: int = 0
     rolled: bool = False
+    limits: list[float] = field(default_factory=list)
+    bifurcations: list[float] = field(default_factory=list)
 
     @classmethod
     def restored(cls, saved: Mapping[str, Any]) -> LoadingLog:
         """What a checkpoint kept."""
-        return cls(int(saved["divided"]), int(saved["unstable"]), bool(saved["rolled"]))
+        return cls(
+            int(saved["divided"]),
+            int(saved["unstable"]),
+            bool(saved["rolled"]),
+            [float(x) for x in saved["limits"]],
+            [float(x) for x in saved["bifurcations"]],
+        )
 
     def saved(self) -> dict[str, Any]:
         """What a checkpoint keeps."""
-        return {"divided": self.divided, "unstable": self.unstable, "rolled": self.rolled}
+        return {
+            "divided": self.divided,
+            "unstable": self.unstable,
+            "rolled": self.rolled,
+            "limits": np.array(self.limits),
+            "bifurcations": np.array(self.bifurcations),
+        }
 
-    def look_at(
+    def look_at_frame(
         self, time: float, interval: float, balance: Balance, shape: Shape
     ) -> Iterator[str]:
-        """Warnings about a new frame.
+        """Warnings about a new frame of a run by load.
 
         Parameters
         ----------
@@ -58,15 +75,45 @@ class LoadingLog:
         if unstable != self.unstable:
             yield _stability(self.unstable, unstable, time, interval, _load(balance))
             self.unstable = unstable
-        if not self.rolled:
-            turn = largest_turn(balance.body.shell.patch, balance.displacement)
-            if turn > 2.0 * np.pi:
-                self.rolled = True
+        yield from self._rolled_up(f"t = {time:g} ms ({_load(balance)})", balance)
+
+    def look_at_point(
+        self, number: int, load: float, balance: Balance, passed: Sequence[Critical]
+    ) -> Iterator[str]:
+        """Warnings about a new point of a path by arc length."""
+        self.unstable = balance.unstable_directions
+        span = f"between points {number - 1} and {number}"
+        for critical in passed:
+            factor = critical.point.load
+            if critical.kind == "limit point":
+                self.limits.append(factor)
                 yield (
-                    f"at t = {time:g} ms ({_load(balance)}) the film has rolled up past a full circle: "
-                    f"it turns by {np.degrees(turn):.0f} degrees from end to end. Contact of the film "
-                    f"with itself is not modelled: from here on it passes through itself"
+                    f"{span} the load has a limit point, at the factor {factor:.6g}: a real film under "
+                    f"that load would snap away; then {_unstable(self.unstable)}"
                 )
+            else:
+                self.bifurcations.append(factor)
+                yield (
+                    f"{span} another path branches off, at the load factor {factor:.6g}: a real film, "
+                    f"never perfect, would follow the stable one; then {_unstable(self.unstable)}"
+                )
+        yield from self._rolled_up(f"point {number} (load factor {load:.4g})", balance)
+
+    def _rolled_up(self, place: str, balance: Balance) -> Iterator[str]:
+        if self.rolled:
+            return
+        turn = largest_turn(balance.body.shell.patch, balance.displacement)
+        if turn > 2.0 * np.pi:
+            self.rolled = True
+            yield (
+                f"at {place} the film has rolled up past a full circle: "
+                f"it turns by {np.degrees(turn):.0f} degrees from end to end. Contact of the film "
+                f"with itself is not modelled: from here on it passes through itself"
+            )
+
+
+def _unstable(number: int) -> str:
+    return f"{number} unstable direction{'s' if number != 1 else ''}"
 
 
 def _stability(before: int, now: int, time: float, interval: float, load: str) -> str:
@@ -74,10 +121,10 @@ def _stability(before: int, now: int, time: float, interval: float, load: str) -
     if now > before:
         return (
             f"{span} the film has buckled or passed a limit point: its equilibrium has "
-            f"{now} unstable direction{'s' if now != 1 else ''} (before: {before}); a real film "
+            f"{_unstable(now)} (before: {before}); a real film "
             f"would snap away from it"
         )
-    return f"{span} the film has become more stable: {now} unstable directions (before: {before})"
+    return f"{span} the film has become more stable: {_unstable(now)} (before: {before})"
 
 
 def _load(balance: Balance) -> str:

@@ -5,16 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from stages.artefacts import Laminate, StressSamples
+from stages.mechanics.arc_path import ByArcLength
 from stages.mechanics.body import Body
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig, ShellConfig
+from stages.mechanics.controls.arc_length import ArcLength
 from stages.mechanics.dynamics import ShellDynamics
 from stages.mechanics.equilibrium import QuasiStatics
+from stages.mechanics.frames import ByLoad, Controlled
+from stages.mechanics.imposed import Imposed
 from stages.mechanics.rigid import check_is_held
 from stages.mechanics.shell import Shell, build_shell
 from stages.mechanics.time_loop import TimeLoop
 from stages.numerics.integration import Integrator
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch
+from stages.numerics.time_series import FrameReader
 from stages.numerics.time_stepping import GeneralizedAlpha
 
 
@@ -59,6 +64,35 @@ def build_statics(config: EquilibriumConfig, patch: Patch, laminate: Laminate) -
         config.max_halvings,
         config.initial_increment,
     )
+
+
+def build_controlled(
+    config: EquilibriumConfig, patch: Patch, laminate: Laminate, stress: StressSamples
+) -> Controlled:
+    """Quasi-static run of the configured shell under the configured control.
+
+    Raises
+    ------
+    ValueError
+        If nothing would move the film, it is not held, or an input does not fit.
+    """
+    statics = build_statics(config, patch, laminate)
+    check_inputs(config, patch, laminate, stress)
+    body, control = statics.body, config.control
+    activation = FrameReader(stress.active_stress)
+
+    def imposed(frame: int) -> Imposed:
+        return body.imposed_at(frame * config.step, activation(frame))
+
+    if not isinstance(control, ArcLength):
+        return ByLoad(statics, imposed, config.n_steps)
+    full = imposed(config.n_steps)
+    if not any(np.any(acting) for acting in (full.activation, full.loads, full.drives)):
+        raise ValueError(
+            "nothing acts at the last instant of the loading, so that there is no path to follow by arc "
+            "length: let the time laws end at their full value"
+        )
+    return ByArcLength(body, full, control, statics.controls, config.n_steps)
 
 
 def body_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Body:

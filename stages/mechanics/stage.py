@@ -1,20 +1,25 @@
-"""Stages `mechanics` and `equilibrium`: the film bends under the active stress of its cells."""
+"""Stages `mechanics`, `equilibrium`, `buckling`: the film bends under its muscle and its loads."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from pipeline.nodes import History, StageRun, stage
-from stages.artefacts import Deformation, Equilibria, Laminate, MidSurface, StressSamples
+from stages.artefacts import (
+    BucklingModes,
+    Deformation,
+    Equilibria,
+    Laminate,
+    MidSurface,
+    StressSamples,
+)
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 
 if TYPE_CHECKING:
-    from stages.mechanics.body import Balance
-    from stages.mechanics.equilibrium import Shape
+    from stages.mechanics.frames import Frame
     from stages.mechanics.imposed import Imposed
     from stages.mechanics.time_loop import Arrival, TimeLoop
     from stages.numerics.bsplines import Array
-    from stages.numerics.stepping import Attempt
 
 
 @stage
@@ -91,74 +96,68 @@ def equilibrium(
     *,
     run: StageRun,
 ) -> Equilibria:
-    """Shapes of the film in balance with a slowly changing activation (eqs. 45, 52).
+    """Shapes of the film in balance with a slow loading (eqs. 45, 52).
 
-    Frame i belongs to t_i = i duration/n_steps. Frame 0 is reached from the unloaded film, every further
-    one from the frame before it.
+    By load, frame i belongs to t_i = i duration/n_steps; frame 0 is reached from the unloaded film, every
+    further one from the frame before it. By arc length, frames are points of the path on which what acts at
+    the last instant acts times a load factor, frame 0 the unloaded film.
     """
     import numpy as np
 
-    from stages.mechanics.equilibrium import Rest
-    from stages.mechanics.loading_log import LoadingLog
-    from stages.mechanics.setup import build_statics, check_inputs
-    from stages.numerics.time_series import FrameReader
+    from stages.mechanics.setup import build_controlled
 
-    statics = build_statics(config, mid_surface.patch, laminate)
-    check_inputs(config, mid_surface.patch, laminate, stress)
-    body = statics.body
-    points = (body.shell.points,)
+    controlled = build_controlled(config, mid_surface.patch, laminate, stress)
+    points = (controlled.body.shell.points,)
     history = run.stream(
         Equilibria,
         frames=config.n_steps + 1,
         shapes={
             "displacement": (mid_surface.patch.size, 3),
-            "strain_energy": (),
-            "external_work": (),
-            "newton_iterations": (),
-            "load_step": (),
-            "unstable_directions": (),
-            "fibre_stretch": points,
-            "active_stress": points,
+            **dict.fromkeys(("fibre_stretch", "active_stress"), points),
+            **dict.fromkeys(_SHAPE_SCALARS, ()),
         },
+        fewer=config.control.kind != "load",
     )
-    activation = FrameReader(stress.active_stress)
-    saved = run.resume()
-    shape, log = statics.unloaded(), LoadingLog()
-    if saved is not None:
-        shape = Rest(
-            saved["displacement"], saved["rate"], float(saved["work"]), float(saved["step"])
-        )
-        log = LoadingLog.restored(saved)
-
-    def imposed(frame: int) -> Imposed:
-        return body.imposed_at(frame * config.step, activation(frame))
-
-    def tell(attempt: Attempt) -> None:
-        run.tell(f"t = {attempt.start:.6g} to {attempt.end:.6g} ms: {attempt}")
-
-    frames = statics.run(
-        imposed, shape, first=history.frames_done, last=config.n_steps, listen=tell
-    )
-    for result in frames:
-        shape, done = result.state, history.frames_done
-        balance = body.balance(shape.displacement, imposed(done))
-        _append_shape(history, balance, result)
-        for warning in log.look_at(done * config.step, config.step, balance, result):
+    for frame in controlled.frames(run.resume(), history.frames_done, run.tell):
+        _append_shape(history, frame)
+        for warning in frame.warnings:
             run.warn(warning)
-        seen = log.saved()
-        run.progress(done, config.n_steps)
-        run.checkpoint(
-            lambda shape=shape, seen=seen: {  # type: ignore[misc]  # defaults bind the loop
-                "displacement": shape.displacement,
-                "rate": shape.rate,
-                "work": shape.work,
-                "step": shape.step,
-                **seen,
-            }
-        )
+        run.progress(history.frames_done - 1, config.n_steps)
+        run.checkpoint(lambda frame=frame: frame.state)  # type: ignore[misc]  # binds the loop
+    log = controlled.log
     run.note("divided_steps", log.divided)
-    return history.finish(time=np.arange(config.n_steps + 1) * config.step)
+    return history.finish(
+        time=np.arange(history.frames_done) * config.step,
+        limit_loads=np.array(log.limits),
+        bifurcation_loads=np.array(log.bifurcations),
+    )
 
+
+@stage
+def buckling(
+    config: EquilibriumConfig, mid_surface: MidSurface, laminate: Laminate, stress: StressSamples
+) -> BucklingModes:
+    """Factors of what acts at the last instant that buckle the film, linearised at the film at rest."""
+    from stages.mechanics.buckling import scaled_modes
+    from stages.mechanics.setup import build_statics, check_inputs
+    from stages.numerics.time_series import FrameReader
+
+    body = build_statics(config, mid_surface.patch, laminate).body
+    check_inputs(config, mid_surface.patch, laminate, stress)
+    activation = FrameReader(stress.active_stress)(config.n_steps)
+    full = body.imposed_at(config.duration, activation)
+    return BucklingModes(*scaled_modes(body, full, config.buckling_modes))
+
+
+_SHAPE_SCALARS = (
+    "strain_energy",
+    "external_work",
+    "newton_iterations",
+    "load_step",
+    "load_factor",
+    "unstable_directions",
+)
+"""Fields of equilibria that have one number for each frame."""
 
 _SCALARS = (
     "kinetic_energy",
@@ -201,15 +200,17 @@ def _append_motion(
     )
 
 
-def _append_shape(history: History[Equilibria], balance: Balance, shape: Shape) -> None:
+def _append_shape(history: History[Equilibria], frame: Frame) -> None:
+    balance = frame.balance
     shell = balance.body.shell
     stretch = shell.fibres.stretch(shell.reference, balance.response.frames)
     history.append(
         displacement=balance.displacement.reshape(-1, 3),
         strain_energy=balance.response.energy,
-        external_work=shape.state.work,
-        newton_iterations=float(shape.iterations),
-        load_step=shape.smallest_step,
+        external_work=frame.work,
+        newton_iterations=float(frame.iterations),
+        load_step=frame.smallest_step,
+        load_factor=frame.factor,
         unstable_directions=float(balance.unstable_directions),
         fibre_stretch=stretch,
         active_stress=shell.fibres.stress(balance.imposed.activation, stretch),

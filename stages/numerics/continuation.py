@@ -137,16 +137,13 @@ class Branch:
         return self.correct(replace(guess, load=load), normal)
 
     def at_value(
-        self, near: BranchPoint, other: BranchPoint, unknown: int, value: float
+        self, near: BranchPoint, other: BranchPoint, weights: Array, value: float
     ) -> BranchPoint:
-        """The point where one unknown has exactly that value, between two points of the path."""
-        a, b = near.x[unknown], other.x[unknown]
+        """The point where a weighted sum of unknowns has that value, between two points of the path."""
+        a, b = weights @ near.x, weights @ other.x
         guess = _between(near, other, float((value - a) / (b - a)))
-        x = guess.x.copy()
-        x[unknown] = value
-        normal = Direction(np.zeros_like(x), 0.0)
-        normal.x[unknown] = 1.0
-        return self.correct(replace(guess, x=x), normal)
+        x = guess.x + (value - weights @ guess.x) / (weights @ weights) * weights
+        return self.correct(replace(guess, x=x), Direction(weights, 0.0))
 
     def between(self, near: BranchPoint, other: BranchPoint, fraction: float) -> BranchPoint:
         """The point of the path in the plane that divides the chord of two points."""

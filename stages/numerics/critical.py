@@ -36,17 +36,24 @@ class Critical:
 
 @dataclass(frozen=True)
 class PathEnd:
-    """Where to stop: at a load, or where one unknown has a value; the path ends there exactly.
+    """Where to stop: at a load, or where a weighted sum of unknowns has a value; the path ends there.
 
-    ``unknown`` None stands for the load.
+    ``weights`` None stands for the load.
     """
 
     value: float
-    unknown: int | None = None
+    weights: Array | None = None
+
+    @classmethod
+    def at_unknown(cls, value: float, unknown: int, size: int) -> PathEnd:
+        """Where one of ``size`` unknowns has a value."""
+        weights = np.zeros(size)
+        weights[unknown] = 1.0
+        return cls(value, weights)
 
     def of(self, point: BranchPoint) -> float:
         """What is compared with ``value``."""
-        return point.load if self.unknown is None else float(point.x[self.unknown])
+        return point.load if self.weights is None else float(self.weights @ point.x)
 
     def between(self, before: BranchPoint, after: BranchPoint) -> bool:
         """Whether the path crosses the end on the way from one point to the next."""
@@ -55,9 +62,9 @@ class PathEnd:
 
     def reach(self, branch: Branch, before: BranchPoint, after: BranchPoint) -> BranchPoint:
         """The point at the end itself."""
-        if self.unknown is None:
+        if self.weights is None:
             return branch.at_load(before, after, self.value)
-        return branch.at_value(before, after, self.unknown, self.value)
+        return branch.at_value(before, after, self.weights, self.value)
 
 
 @dataclass(frozen=True)
@@ -79,7 +86,7 @@ def trace(
     branch, start
         The path and a point of it.
     end
-        Where to stop; the last point lies there to the bit.
+        Where to stop; the last point lies there, up to rounding.
     max_points
         Points after which to stop in any case; the last one then is not ``ended``.
     located

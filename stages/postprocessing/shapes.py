@@ -38,9 +38,12 @@ def measure_shapes(
     points = deformation.fibre_stretch.shape[1]
     projection = GaussProjection.onto(film, points, theta[:, 0], theta[:, 1]).at_points()
     axis = follow_axis(film, deformation.displacement, axis_parameter(film, config.mid_axis))
+    time = np.asarray(deformation.time, dtype=float)
+    factor = deformation.load_factor if isinstance(deformation, Equilibria) else np.ones(time.size)
     return ShapeMeasures(
         probe_names=tuple(config.probes),
-        time=np.asarray(deformation.time, dtype=float),
+        time=time,
+        load_factor=np.asarray(factor, dtype=float),
         probe_points=film.evaluate_points(theta),
         displacement=series(deformation.displacement, control_weights(film, theta)),
         fibre_stretch=series(deformation.fibre_stretch, projection),

@@ -67,7 +67,7 @@ def test_a_load_that_is_crossed_before_the_peak_ends_the_path_there() -> None:
 
 def test_a_path_may_end_at_a_value_of_one_unknown() -> None:
     truss = ShallowTruss()
-    _, stages = traced(truss, [0.0], 0.1 * truss.limit_load, PathEnd(0.2, unknown=0))
+    _, stages = traced(truss, [0.0], 0.1 * truss.limit_load, PathEnd.at_unknown(0.2, 0, size=1))
     assert stages[-1].ended
     assert stages[-1].point.x[0] == 0.2
     assert abs(stages[-1].point.load) < 1e-9 * truss.limit_load  # flat bars carry nothing

@@ -41,7 +41,10 @@ def rolled(curvatures: list[float]) -> Equilibria:
         external_work=scalar,
         newton_iterations=scalar,
         load_step=scalar,
+        load_factor=scalar + 1.0,
         unstable_directions=scalar,
+        limit_loads=scalar[:0],
+        bifurcation_loads=scalar[:0],
         fibre_stretch=1.0 - 0.01 * np.outer(count, along),
         active_stress=np.outer(count, 1.0 + along),
     )

@@ -62,6 +62,13 @@ class Ledger:
         }
         self._save()
 
+    def remove(self, files: Iterable[str]) -> None:
+        """Remove files made by an earlier run, of which this one has none."""
+        for file in files:
+            if self._entries.pop(file, None) is not None:
+                (self._folder / file).unlink(missing_ok=True)
+                self._save()
+
     def holds_files(self) -> bool:
         """Whether files were exported here: only whole runs do that, a single stage has none."""
         return any("sha256" in entry for entry in self._entries.values() if isinstance(entry, dict))

@@ -27,6 +27,9 @@ def write_outputs(request: Request, outcomes: Outcomes, folder: Path) -> dict[st
     ledger = Ledger(folder)
     experiment = experiment_of(request, outcomes)
     for export in request.workflow.exports:
+        if export not in request.exports:
+            ledger.remove(export.files)
+    for export in request.exports:
         _make(export, request, outcomes, experiment, ledger, folder)
     quantities = read_quantities(request, outcomes, ledger)
     _make_report(request, outcomes, quantities, ledger, folder)
@@ -42,7 +45,7 @@ def experiment_of(request: Request, outcomes: Outcomes) -> Experiment:
 def read_quantities(request: Request, outcomes: Outcomes, ledger: Ledger) -> dict[str, Quantity]:
     """Quantities of a run, from the ledger if they are known for this very result."""
     workflow = request.workflow
-    results = _contents(outcomes, workflow.measured)
+    results = _contents(outcomes, request.measured)
     config = canonical(request.config)
     source = source_id(workflow.modules, {"results": results, "config": config})
     kept = ledger.value("quantities", source)
@@ -129,7 +132,7 @@ def _make_report(
         "quantities": {name: repr(quantity) for name, quantity in quantities.items()},
         "remarks": list(request.workflow.remarks(quantities)),
         "template": template.read_text(encoding="utf-8"),
-        "exports": [_source(export, request, outcomes) for export in request.workflow.exports],
+        "exports": [_source(export, request, outcomes) for export in request.exports],
     }
     source = source_id(["workflows.report"], contents)
     if not ledger.is_current("report.html", source):

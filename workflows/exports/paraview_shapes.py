@@ -33,6 +33,11 @@ def write(experiment: Experiment, folder: Path) -> None:
 
         return field
 
+    def factor(t: float) -> Array:
+        return np.full(grid.shape, float(np.interp(t, time, experiment.shape.load_factor)))
+
     control = TimeSeries(deformation.displacement, time)
     scalars = {name: of_fibres(name) for name in SCALARS}
+    if experiment.shape.along_path:
+        scalars["load_factor"] = factor
     write_film(folder / "film.vtkhdf", grid, time, control.at, scalars)

@@ -11,10 +11,15 @@ from workflows.exports.csvfiles import write_csv
 
 
 def write(experiment: Experiment, folder: Path) -> None:
-    """Write ``probes.csv``: one row per frame, five columns per probe."""
+    """Write ``probes.csv``: one row per frame, five columns per probe.
+
+    Along a path, frames have a number and a load factor instead of a time.
+    """
     shape = experiment.shape
-    heading = ["time [ms]"]
-    columns = [shape.time]
+    heading, columns = ["time [ms]"], [shape.time]
+    if shape.along_path:
+        heading = ["point", "load_factor"]
+        columns = [np.arange(float(shape.time.size)), shape.load_factor]
     for i, name in enumerate(shape.probe_names):
         heading += [f"{name}.{axis} [mm]" for axis in ("ux", "uy", "uz")]
         heading += [f"{name}.active_stress [kPa]", f"{name}.fibre_stretch"]

@@ -1,28 +1,41 @@
-"""Curvature and tip displacement of a film as its active stress grows."""
+"""Curvature and tip displacement of a film as its active stress, or its load factor, changes."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from stages.artefacts import ShapeMeasures
+from stages.numerics.bsplines import Array
 from workflows.experiment import Experiment
-from workflows.figures.style import INK, drawing, save
+from workflows.figures.style import FAINT, INK, drawing, save
 
 
 def write(experiment: Experiment, folder: Path) -> None:
     """Write ``curling.png`` and ``curling.svg``."""
     shape = experiment.shape
-    stress = shape.mean_active_stress
+    along, label = _abscissa(shape)
     with drawing(10.4, 3.9) as figure:
         curvature, tip = figure.subplots(1, 2)
-        curvature.plot(stress, shape.curvature, "o-", ms=3)
+        curvature.plot(along, shape.curvature, "o-", ms=3)
         curvature.set_ylabel("curvature $1/R$ [1/mm]")
-        tip.plot(stress, shape.tip[:, 0], "o-", ms=3, label="along the film, $u_x$")
-        tip.plot(stress, shape.tip[:, 2], "s-", ms=3, label="away from its plane, $u_z$")
+        tip.plot(along, shape.tip[:, 0], "o-", ms=3, label="along the film, $u_x$")
+        tip.plot(along, shape.tip[:, 2], "s-", ms=3, label="away from its plane, $u_z$")
         tip.set_ylabel("displacement of the tip [mm]")
         tip.legend()
         for letter, axes in zip("ab", (curvature, tip), strict=True):
             axes.set_title(f"({letter})", loc="left", color=INK)
-            axes.set_xlabel(r"active stress $\sigma_a$, mean over the film [kPa]")
+            axes.set_xlabel(label)
+            for load in experiment.path.limit_loads:
+                axes.axvline(float(load), color=FAINT, lw=0.8, linestyle=":")
             axes.grid(alpha=0.25, linewidth=0.6)
         figure.tight_layout(w_pad=3)
         save(figure, folder, "curling")
+
+
+def _abscissa(shape: ShapeMeasures) -> tuple[Array, str]:
+    """What changes from frame to frame, and its name."""
+    if shape.along_path:
+        return shape.load_factor, "load factor"
+    if shape.mean_active_stress.any():
+        return shape.mean_active_stress, r"active stress $\sigma_a$, mean over the film [kPa]"
+    return shape.time, "time $t$ of the loading [ms]"

@@ -20,11 +20,7 @@ def write(experiment: Experiment, folder: Path) -> None:
     deformation = experiment.deformation
     last = deformation.displacement.shape[0] - 1
     frames = sorted({round(last * i / (COUNT - 1)) for i in range(COUNT)})
-    panels = []
-    for frame in frames:
-        stress = float(np.mean(deformation.active_stress[frame]))
-        title = f"t = {float(deformation.time[frame]):g} ms, $\\sigma_a$ = {stress:.2g} kPa"
-        panels.append(_panel(experiment, frame, title))
+    panels = [_panel(experiment, frame, _title(experiment, frame)) for frame in frames]
     _draw(panels, folder, "shapes")
 
 
@@ -32,6 +28,14 @@ def draw_final(runs: Mapping[str, Experiment], folder: Path, name: str) -> None:
     """Write the last shape of several runs, by their labels."""
     panels = [_panel(run, run.deformation.displacement.shape[0] - 1, k) for k, run in runs.items()]
     _draw(panels, folder, name)
+
+
+def _title(experiment: Experiment, frame: int) -> str:
+    deformation = experiment.deformation
+    pull = f"$\\sigma_a$ = {float(np.mean(deformation.active_stress[frame])):.2g} kPa"
+    if experiment.shape.along_path:
+        return f"point {frame}, load factor {float(experiment.shape.load_factor[frame]):.3g}"
+    return f"t = {float(deformation.time[frame]):g} ms, {pull}"
 
 
 def _panel(experiment: Experiment, frame: int, title: str) -> Panel:

@@ -106,7 +106,8 @@ def _path(config: SnapThroughConfig, thickness: float) -> list[tuple[float, ...]
         loading, np.zeros(size), 0.0, controls, ArcControls(scale, max_turn=20.0)
     )
     rows = [row(start, REGULAR)]
-    for found in trace(branch, start, PathEnd(-config.deflection, middle), max_points=300):
+    end = PathEnd.at_unknown(-config.deflection, middle, size)
+    for found in trace(branch, start, end, max_points=300):
         kinds = {"limit point": LIMIT, "bifurcation": BIFURCATION}
         rows += [row(critical.point, kinds[critical.kind]) for critical in found.passed]
         rows.append(row(found.point, REGULAR))
