@@ -192,8 +192,8 @@ def follow(
     for number, target in enumerate(targets):
         if not target > last.s:
             raise ValueError(f"target {number} at {target:g} does not lie beyond {last.s:g}")
-        last = replace(last, smallest_step=math.inf)
-        while last.target != number or last.s != target:
+        last = replace(last, smallest_step=math.inf, target=None)
+        while last.target is None:
             last = _step(problem, last, number, target, steps, controls, listen)
             yield last
 

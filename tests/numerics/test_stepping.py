@@ -59,6 +59,13 @@ def test_every_target_is_hit_to_the_bit_and_once(increments: list[float], initia
         assert p.x[0] ** 3 + p.x[0] == pytest.approx(p.s, abs=1e-10, rel=1e-10)
 
 
+def test_a_target_is_hit_even_where_the_step_to_it_is_rounded() -> None:
+    last, target = 0.4, 1.7
+    assert last + (target - last) != target
+    path = follow(SteepRoot(), start(), [last, target, 3.0], StepControls(9.0, 1e-6, 15), CONTROLS)
+    assert [p.s for p in path] == [last, target, 3.0]
+
+
 def test_steps_grow_while_newton_is_easy() -> None:
     points = list(follow(SteepRoot(), start(), [100.0], StepControls(0.1, 1e-6), CONTROLS))
     widths = np.diff([0.0, *(p.s for p in points)])
