@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stages.mechanics.assembly import assemble_force
-from stages.mechanics.kinematics import Frames
+from stages.mechanics.kinematics import Frames, strains_at
 from stages.mechanics.resultants import Resultants
 from stages.mechanics.shell import Shell
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
@@ -64,12 +64,7 @@ def _kernel(tension: type[TensionLaw]) -> Callable[..., None]:
         resultants: Any,
     ) -> None:
         for p in range(activation.size):
-            eps11 = 0.5 * (current.metric[p, 0] - reference.metric[p, 0])
-            eps22 = 0.5 * (current.metric[p, 1] - reference.metric[p, 1])
-            eps12 = 0.5 * (current.metric[p, 2] - reference.metric[p, 2])
-            kap11 = reference.curvature[p, 0] - current.curvature[p, 0]
-            kap22 = reference.curvature[p, 1] - current.curvature[p, 1]
-            kap12 = reference.curvature[p, 2] - current.curvature[p, 2]
+            eps11, eps22, eps12, kap11, kap22, kap12 = strains_at(reference, current, p)
             for k in range(depth.size):
                 z, w = depth[k], weights[k]
                 f11, f22, f12 = table[p, k, 4], table[p, k, 5], table[p, k, 6]

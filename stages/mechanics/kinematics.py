@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from stages.mechanics.discretisation import Basis, shape_derivatives
 from stages.numerics.bsplines import Array
-from stages.numerics.compiled import kernel
+from stages.numerics.compiled import inlined, kernel
 
 
 class Frames(NamedTuple):
@@ -45,6 +45,23 @@ class Frames(NamedTuple):
         """Room for the frames of ``points`` points."""
         shapes = ((2, 3), (2, 3), (3,), (2, 3), (3,), (3,), ())
         return cls(*(np.empty((points, *shape)) for shape in shapes))
+
+
+Strains: TypeAlias = tuple[float, float, float, float, float, float]
+"""eps 11, 22, 12, then kappa 11, 22, 12 (one shear each, not twice)."""
+
+
+@inlined
+def strains_at(reference: Frames, current: Frames, p: int) -> Strains:
+    """eps_ab = (a_ab - A_ab)/2 and kappa_ab = B_ab - b_ab at a point (eqs. 24-25)."""
+    return (
+        0.5 * (current.metric[p, 0] - reference.metric[p, 0]),
+        0.5 * (current.metric[p, 1] - reference.metric[p, 1]),
+        0.5 * (current.metric[p, 2] - reference.metric[p, 2]),
+        reference.curvature[p, 0] - current.curvature[p, 0],
+        reference.curvature[p, 1] - current.curvature[p, 1],
+        reference.curvature[p, 2] - current.curvature[p, 2],
+    )
 
 
 @kernel
