@@ -154,9 +154,9 @@ class Equilibria:
     """Quasi-static shapes of the shell, one for each frame of its loading (eqs. 45, 52).
 
     ``time`` orders the loading and has no inertia to act on. What acts in a frame is what the time laws
-    say at its time, and ``load_factor`` is 1. Control by arc length is different: what acts is ``load_factor``
-    times what they say at the last instant, ``time`` merely numbers the points of the path by
-    i duration/n_steps, and ``limit_loads`` and ``bifurcation_loads`` are the load factors of the critical points
+    say at its time, and ``load_factor`` is 1. Control by arc length is different: what acts is the preload plus
+    ``load_factor`` times what is added to it up to the last instant, ``time`` merely numbers the points of the
+    path by i duration/n_steps, and ``limit_loads`` and ``bifurcation_loads`` are the load factors of the critical points
     passed, in their order. ``external_work`` is what loads and moved
     supports have done since the unloaded film, ``strain_energy`` is the passive one. ``load_step`` is
     the smallest part of a frame's interval that had to be taken on its own (NaN by arc length), and

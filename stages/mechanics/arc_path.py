@@ -11,17 +11,18 @@ import numpy as np
 
 from stages.mechanics.body import Body
 from stages.mechanics.controls.arc_length import ArcLength
+from stages.mechanics.equilibrium import QuasiStatics
 from stages.mechanics.frames import Frame
 from stages.mechanics.imposed import Imposed
 from stages.mechanics.loading import Loading
-from stages.mechanics.loading_log import LoadingLog
+from stages.mechanics.loading_log import LoadingLog, unstable_directions
 from stages.mechanics.points import functions_over
 from stages.mechanics.relations import COMPONENTS
 from stages.numerics.branches import ArcControls, BranchPoint, Direction
 from stages.numerics.bsplines import Array
 from stages.numerics.continuation import Branch
 from stages.numerics.critical import PathEnd, Stage, trace
-from stages.numerics.newton import Iteration, NewtonControls, NewtonError
+from stages.numerics.newton import Iteration, NewtonError, SingularTangentError
 from stages.numerics.stepping import Attempt
 
 
@@ -41,11 +42,11 @@ class UnfollowedPathError(Exception):
     def __init__(self, number: int, load: float, failure: NewtonError) -> None:
         self.history: tuple[Iteration, ...] = failure.history
         self.place = f"point {number} of the path"
-        remedies = [
-            failure.remedy,
+        remedies = [failure.remedy] if isinstance(failure, SingularTangentError) else []
+        remedies.append(
             "allow shorter arcs (mechanics.control.smallest_arc, mechanics.control.first_load), more "
-            "iterations (mechanics.max_iterations) or a finer mesh (mechanics.elements)",
-        ]
+            "iterations (mechanics.max_iterations) or a finer mesh (mechanics.elements)"
+        )
         if number > 1:
             remedies.append(
                 f"for a result with the points up to the last one reached, set mechanics.n_steps = "
@@ -60,36 +61,50 @@ class UnfollowedPathError(Exception):
 
 @dataclass
 class ByArcLength:
-    """Points of the path along which ``full`` acts times a load factor.
+    """Points of the path along which the preload acts, and what is added to it, times a load factor.
 
     Parameters
     ----------
-    body
-        The film with its supports and loads.
-    full
-        What acts at the factor 1.
+    statics
+        The film, and how its preload is reached by load.
+    imposed
+        What the time laws say of a frame.
     control
-        End of the path, and how long an arc may be.
-    controls
-        Newton's tolerances.
+        Preload, end of the path, and how long an arc may be.
     last
-        Number of the last point, if the end is not reached before.
+        Number of the last point, if the end is not reached before; of the last frame of the loading.
     """
 
-    body: Body
-    full: Imposed
+    statics: QuasiStatics
+    imposed: Callable[[int], Imposed]
     control: ArcLength
-    controls: NewtonControls
     last: int
     log: LoadingLog = field(default_factory=LoadingLog)
+
+    @property
+    def body(self) -> Body:
+        """The film with its supports and loads."""
+        return self.statics.body
+
+    @property
+    def added(self) -> Imposed:
+        """What the load factor multiplies."""
+        return self.imposed(self.last).minus(self._preload)
+
+    @property
+    def _preload(self) -> Imposed:
+        frame = round(self.control.preload / self.statics.step)
+        return self.imposed(frame) if frame else self.body.nothing()
 
     def frames(
         self, saved: Mapping[str, Any] | None, first: int, tell: Callable[[str], None]
     ) -> Iterator[Frame]:
-        """See :class:`stages.mechanics.frames.Controlled`; frame 0 is the unloaded film.
+        """See :class:`stages.mechanics.frames.Controlled`; frame 0 is the film under its preload.
 
         Raises
         ------
+        UnreachedShapeError
+            If the preload cannot be reached.
         UnfollowedPathError
             If a point cannot be reached; those before it have been yielded.
         """
@@ -97,29 +112,45 @@ class ByArcLength:
         def listen(attempt: Attempt) -> None:
             tell(f"load factor {attempt.start:.6g} to {attempt.end:.6g}: {attempt}")
 
-        loading = Loading(self.body, self.body.nothing(), self.full)
-        number, last, work = max(first - 1, 0), None, 0.0
+        loading = Loading(self.body, self._preload, self.imposed(self.last))
+        if saved is None:
+            origin, work = self._preloaded(tell)
+        else:
+            origin, work = saved["origin"], float(saved["work"])
+            self.log = LoadingLog.restored(saved)
+        number, load = max(first - 1, 0), 0.0
         try:
-            branch, start = Branch.begin(
-                loading, np.zeros(self.body.shell.size), 0.0, self.controls, self._arcs, listen
+            branch, last = Branch.begin(
+                loading, origin, 0.0, self.statics.controls, self._arcs, listen
             )
-            last = start
             if saved is None:
-                yield self._frame(loading, 0, Stage(start), 0.0)
+                yield self._frame(loading, 0, Stage(last), origin, work)
             else:
-                last, work = _unpacked(saved), float(saved["work"])
-                self.log = LoadingLog.restored(saved)
-            if saved is not None and bool(saved["ended"]):
-                return
+                last = _unpacked(saved)
+                if saved["ended"]:
+                    return
+            load = last.load
             for found in trace(branch, last, self._end(), self.last - number):
-                number += 1
                 before, after = loading.imposed(last.load), loading.imposed(found.point.load)
                 work += self.body.work_between(last.x, before, found.point.x, after)
-                last = found.point
-                yield self._frame(loading, number, found, work)
+                number, last, load = number + 1, found.point, found.point.load
+                yield self._frame(loading, number, found, origin, work)
         except NewtonError as failure:
-            load = 0.0 if last is None else last.load
             raise UnfollowedPathError(number + 1, load, failure) from failure
+
+    def _preloaded(self, tell: Callable[[str], None]) -> tuple[Array, float]:
+        """Displacement under the preload, and the work that it took."""
+        rest = self.statics.unloaded()
+        frame = round(self.control.preload / self.statics.step)
+        if not frame:
+            return rest.displacement, 0.0
+
+        def listen(attempt: Attempt) -> None:
+            tell(f"preload, t = {attempt.start:.6g} to {attempt.end:.6g} ms: {attempt}")
+
+        for shape in self.statics.run(self.imposed, rest, 0, frame, listen):
+            rest = shape.state
+        return rest.displacement, rest.work
 
     @property
     def _arcs(self) -> ArcControls:
@@ -142,7 +173,9 @@ class ByArcLength:
         weights[:, column] = functions_over(self.body.shell.patch, until.position)
         return PathEnd(until.displacement, weights.ravel())
 
-    def _frame(self, loading: Loading, number: int, found: Stage, work: float) -> Frame:
+    def _frame(
+        self, loading: Loading, number: int, found: Stage, origin: Array, work: float
+    ) -> Frame:
         point = found.point
         balance = self.body.balance(point.x, loading.imposed(point.load))
         warnings = list(self.log.look_at_point(number, point.load, balance, found.passed))
@@ -152,7 +185,18 @@ class ByArcLength:
                 f"{point.load:.6g}: allow more points (mechanics.n_steps) or longer arcs "
                 f"(mechanics.control.first_load, mechanics.control.largest_arc)"
             )
-        state = {**_packed(point), "work": work, "ended": found.ended, **self.log.saved()}
+        if number == 0 and self.log.unstable:
+            warnings.append(
+                f"the film under its preload is not stable ({unstable_directions(self.log.unstable)}): "
+                f"a real one would have left this shape"
+            )
+        state = {
+            **_packed(point),
+            "origin": origin,
+            "work": work,
+            "ended": found.ended,
+            **self.log.saved(),
+        }
         return Frame(balance, point.load, work, point.iterations, math.nan, state, tuple(warnings))
 
 

@@ -9,7 +9,7 @@ from stages.mechanics.imposed import Imposed
 from stages.numerics import buckling
 from stages.numerics.bands import Band
 from stages.numerics.bsplines import Array
-from stages.numerics.buckling import Modes
+from stages.numerics.buckling import Modes, NoModesError
 
 
 def buckling_modes(body: Body, imposed: Imposed, number: int, part: float = 1e-4) -> Modes:
@@ -54,11 +54,28 @@ def buckling_modes(body: Body, imposed: Imposed, number: int, part: float = 1e-4
 
 
 def scaled_modes(body: Body, imposed: Imposed, number: int) -> tuple[Array, Array]:
-    """The same factors, and modes of the shape ``(number, control point, 3)`` with a largest motion of 1."""
+    """The same factors, and modes of the shape ``(number, control point, 3)`` with a largest motion of 1.
+
+    Raises
+    ------
+    NoModesError
+        If nothing acts, or it changes no stiffness.
+    """
+    if not imposed.any():
+        raise NoModesError(
+            "nothing acts at the last instant of the loading, so nothing can buckle the film",
+            "let loads, supports that move or the activation end at their full value (time laws)",
+        )
     modes = buckling_modes(body, imposed, number)
     shapes = modes.shapes.reshape(number, -1, 3)
     largest = np.linalg.norm(shapes, axis=2).max(axis=1)
     return modes.values, np.asarray(shapes / largest[:, None, None])
+
+
+def motion_before(body: Body, imposed: Imposed, factor: float) -> float:
+    """Largest motion across a flat film, mm, by its linear response to a factor of what acts."""
+    rest = body.balance(np.zeros(body.shell.size), body.nothing())
+    return float(np.abs(factor * rest.rate(imposed)[2::3]).max())
 
 
 def softest_modes(balance: Balance, number: int) -> Modes:

@@ -169,6 +169,19 @@ class EquilibriumConfig(ShellConfig):
     )
 
     @model_validator(mode="after")
+    def _preload_ends_at_a_shape(self) -> EquilibriumConfig:
+        preload = getattr(self.control, "preload", 0.0)
+        frame = round(preload / self.step)
+        if abs(preload - frame * self.step) > 1e-9 * self.duration or frame >= self.n_steps:
+            raise PydanticCustomError(
+                "preload",
+                "control.preload = {preload} ms must be before the end, a multiple of duration / n_steps "
+                "= {step} ms",
+                {"preload": f"{preload:g}", "step": f"{self.step:g}"},
+            )
+        return self
+
+    @model_validator(mode="after")
     def _is_held_at_all(self) -> EquilibriumConfig:
         """Without supports there is no equilibrium; what some supports leave free is found later."""
         if all(support.kind == "free" for support in self.supports.values()):

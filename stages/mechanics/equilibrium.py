@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.mechanics.body import Body
 from stages.mechanics.imposed import Imposed
-from stages.mechanics.loading import Loading
+from stages.mechanics.loading import Loading, in_words
 from stages.numerics.bsplines import Array
 from stages.numerics.newton import Iteration, NewtonControls, NewtonError, SingularTangentError
 from stages.numerics.sparse import SingularMatrixError
@@ -77,25 +77,29 @@ class UnreachedShapeError(Exception):
         What to try, and how to have the shapes up to there.
     """
 
-    def __init__(self, number: int, step: float, end: PathEndError) -> None:
+    def __init__(self, number: int, step: float, load: str, end: PathEndError) -> None:
         self.history: tuple[Iteration, ...] = end.history
         self.place = f"shape {number} (t = {number * step:g} ms)"
-        remedies = [
-            end.failure.remedy,
+        remedies = [end.failure.remedy] if isinstance(end.failure, SingularTangentError) else []
+        remedies.append(
             "allow shorter load steps (mechanics.max_halvings) or more iterations "
-            "(mechanics.max_iterations)",
+            "(mechanics.max_iterations)"
+        )
+        reached = f"{(number - 1) * step:.12g}"
+        preload = f", mechanics.control.preload = {reached} or less" if number > 1 else ""
+        remedies.append(
             "where the load has a maximum no step is short enough: follow the path past it by arc length "
-            "(mechanics.control = arc-length), or move a support instead of loading "
-            "(mechanics.supports, kind = displacement)",
-        ]
+            f"(mechanics.control.kind = arc-length{preload}), or move a support instead of loading "
+            "(mechanics.supports, kind = displacement)"
+        )
         if number > 1:
             remedies.append(
                 f"for a result with the shapes up to the last one reached, set mechanics.n_steps = "
-                f"{number - 1} and mechanics.duration = {(number - 1) * step:.12g}"
+                f"{number - 1} and mechanics.duration = {reached}"
             )
         self.remedy = "; or ".join(remedies)
         super().__init__(
-            f"equilibrium was followed to t = {end.reached.s:.6g} ms, and not even a load step of "
+            f"equilibrium was followed to t = {end.reached.s:.6g} ms ({load}), and not even a load step of "
             f"{end.step:.2g} ms leads on: {end.failure}"
         )
 
@@ -154,7 +158,8 @@ class QuasiStatics:
             try:
                 shape = self._interval(loading, rest, listen)
             except PathEndError as end:
-                raise UnreachedShapeError(index, self.step, end) from end
+                load = in_words(self.body, loading.imposed(end.reached.s))
+                raise UnreachedShapeError(index, self.step, load, end) from end
             yield shape
             rest, old = shape.state, new
 

@@ -25,8 +25,18 @@ class Imposed:
     loads: Array
     drives: Array
 
+    def any(self) -> bool:
+        """Whether anything acts at all."""
+        return bool(self.activation.any() or self.loads.any() or self.drives.any())
+
+    def minus(self, other: Imposed) -> Imposed:
+        """What acts in addition to another one."""
+        return Imposed(
+            self.activation - other.activation, self.loads - other.loads, self.drives - other.drives
+        )
+
     def towards(self, other: Imposed, weight: float) -> Imposed:
-        """Between this (weight 0) and another one (weight 1)."""
+        """Between this (weight 0) and another one (weight 1); beyond, it goes on."""
         rest = 1.0 - weight
         return Imposed(
             weight * other.activation + rest * self.activation,

@@ -63,3 +63,12 @@ class Loading:
             return self._system(balance.after(correction, self.imposed(reached)), reached)
 
         return replace(balance.linearisation(), ahead=ahead)
+
+
+def in_words(body: Body, imposed: Imposed) -> str:
+    """What acts on a body, for a message."""
+    parts = [f"activation up to {np.abs(imposed.activation).max(initial=0.0):.4g} kPa"]
+    for load, factor in zip(body.loads, imposed.loads, strict=True):
+        parts.append(f"{load.label} times {factor:.4g}")
+    parts += [f"supports moved by factor {drive:.4g}" for drive in imposed.drives]
+    return ", ".join(parts)

@@ -10,6 +10,7 @@ import numpy as np
 
 from stages.mechanics.body import Balance
 from stages.mechanics.equilibrium import Shape
+from stages.mechanics.loading import in_words
 from stages.mechanics.roll_up import largest_turn
 from stages.numerics.critical import Critical
 
@@ -73,9 +74,13 @@ class LoadingLog:
             self.divided += 1
         unstable = balance.unstable_directions
         if unstable != self.unstable:
-            yield _stability(self.unstable, unstable, time, interval, _load(balance))
+            yield _stability(
+                self.unstable, unstable, time, interval, in_words(balance.body, balance.imposed)
+            )
             self.unstable = unstable
-        yield from self._rolled_up(f"t = {time:g} ms ({_load(balance)})", balance)
+        yield from self._rolled_up(
+            f"t = {time:g} ms ({in_words(balance.body, balance.imposed)})", balance
+        )
 
     def look_at_point(
         self, number: int, load: float, balance: Balance, passed: Sequence[Critical]
@@ -89,13 +94,13 @@ class LoadingLog:
                 self.limits.append(factor)
                 yield (
                     f"{span} the load has a limit point, at the factor {factor:.6g}: a real film under "
-                    f"that load would snap away; then {_unstable(self.unstable)}"
+                    f"that load would snap away; then {unstable_directions(self.unstable)}"
                 )
             else:
                 self.bifurcations.append(factor)
                 yield (
                     f"{span} another path branches off, at the load factor {factor:.6g}: a real film, "
-                    f"never perfect, would follow the stable one; then {_unstable(self.unstable)}"
+                    f"never perfect, would follow the stable one; then {unstable_directions(self.unstable)}"
                 )
         yield from self._rolled_up(f"point {number} (load factor {load:.4g})", balance)
 
@@ -112,7 +117,8 @@ class LoadingLog:
             )
 
 
-def _unstable(number: int) -> str:
+def unstable_directions(number: int) -> str:
+    """Their number in words."""
     return f"{number} unstable direction{'s' if number != 1 else ''}"
 
 
@@ -121,17 +127,7 @@ def _stability(before: int, now: int, time: float, interval: float, load: str) -
     if now > before:
         return (
             f"{span} the film has buckled or passed a limit point: its equilibrium has "
-            f"{_unstable(now)} (before: {before}); a real film "
+            f"{unstable_directions(now)} (before: {before}); a real film "
             f"would snap away from it"
         )
-    return f"{span} the film has become more stable: {_unstable(now)} (before: {before})"
-
-
-def _load(balance: Balance) -> str:
-    """What acts, in words."""
-    imposed = balance.imposed
-    parts = [f"activation up to {np.abs(imposed.activation).max(initial=0.0):.4g} kPa"]
-    for load, factor in zip(balance.body.loads, imposed.loads, strict=True):
-        parts.append(f"{load.label} times {factor:.4g}")
-    parts += [f"supports moved by factor {drive:.4g}" for drive in imposed.drives]
-    return ", ".join(parts)
+    return f"{span} the film has become more stable: {unstable_directions(now)} (before: {before})"

@@ -86,13 +86,13 @@ def build_controlled(
 
     if not isinstance(control, ArcLength):
         return ByLoad(statics, imposed, config.n_steps)
-    full = imposed(config.n_steps)
-    if not any(np.any(acting) for acting in (full.activation, full.loads, full.drives)):
+    path = ByArcLength(statics, imposed, control, config.n_steps)
+    if not path.added.any():
         raise ValueError(
-            "nothing acts at the last instant of the loading, so that there is no path to follow by arc "
-            "length: let the time laws end at their full value"
+            "nothing is added to the loading up to its last instant, so that there is no path to follow by "
+            "arc length: let the time laws end at their full value"
         )
-    return ByArcLength(body, full, control, statics.controls, config.n_steps)
+    return path
 
 
 def body_of(config: ShellConfig, patch: Patch, laminate: Laminate) -> Body:

@@ -135,10 +135,15 @@ def equilibrium(
 
 @stage
 def buckling(
-    config: EquilibriumConfig, mid_surface: MidSurface, laminate: Laminate, stress: StressSamples
+    config: EquilibriumConfig,
+    mid_surface: MidSurface,
+    laminate: Laminate,
+    stress: StressSamples,
+    *,
+    run: StageRun,
 ) -> BucklingModes:
     """Factors of what acts at the last instant that buckle the film, linearised at the film at rest."""
-    from stages.mechanics.buckling import scaled_modes
+    from stages.mechanics.buckling import motion_before, scaled_modes
     from stages.mechanics.setup import build_statics, check_inputs
     from stages.numerics.time_series import FrameReader
 
@@ -146,8 +151,19 @@ def buckling(
     check_inputs(config, mid_surface.patch, laminate, stress)
     activation = FrameReader(stress.active_stress)(config.n_steps)
     full = body.imposed_at(config.duration, activation)
-    return BucklingModes(*scaled_modes(body, full, config.buckling_modes))
+    factors, shapes = scaled_modes(body, full, config.buckling_modes)
+    motion = motion_before(body, full, float(factors[0]))
+    if motion > _FLAT * laminate.thickness:
+        run.warn(
+            f"the buckling factors are not to be relied on: they belong to a film that stays flat, but "
+            f"this one would have bent by {motion / laminate.thickness:.2g} of its thickness before; "
+            f"follow it by arc length (mechanics.control.kind = arc-length)"
+        )
+    return BucklingModes(factors, shapes)
 
+
+_FLAT = 0.01
+"""Motion across a film, relative to its thickness, that a linearisation at the flat film may neglect."""
 
 _SHAPE_SCALARS = (
     "strain_energy",

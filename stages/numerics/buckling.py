@@ -32,9 +32,15 @@ class Modes:
 
 
 class NoModesError(Exception):
-    """Eigenvalues were asked for that do not exist, or were not found."""
+    """Eigenvalues were asked for that do not exist, or were not found; ``remedy`` says what to try."""
 
-    remedy = "ask for fewer modes, or look at a state closer to the critical load"
+    def __init__(
+        self,
+        cause: str,
+        remedy: str = "ask for fewer modes, or look at a state closer to the critical load",
+    ) -> None:
+        self.remedy = remedy
+        super().__init__(cause)
 
 
 def buckling_modes(

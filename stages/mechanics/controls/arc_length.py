@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Section, quantity, setting
@@ -19,21 +19,23 @@ class Until(Section):
     component: Component = setting("x, y or z", "this project")
     displacement: float = quantity("mm", "displacement at which the path ends", "this project")
 
-    @field_validator("displacement")
-    @classmethod
-    def _is_somewhere_else(cls, displacement: float) -> float:
-        if displacement == 0.0:
-            raise PydanticCustomError("until", "must not be 0: there the path begins")
-        return displacement
-
 
 class ArcLength(Control):
     """What acts at the last instant of the loading, times a factor that starts from 0 and is sought.
 
+    With a ``preload``, that much of the loading acts in full, and the factor is that of the rest.
     ``n_steps`` is the largest number of points; a path that is at its end earlier has fewer.
     """
 
     kind: Literal["arc-length"] = "arc-length"
+    preload: float = quantity(
+        "ms",
+        "instant up to which the loading is followed by load first, at a stored shape; then only what is "
+        "added to it is multiplied by the load factor",
+        "this project",
+        ge=0,
+        default=0.0,
+    )
     target: float | None = setting(
         "load factor at which the path ends; none: 1, the whole loading, unless `until` says else",
         "Keller (1977)",
