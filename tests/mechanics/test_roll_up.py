@@ -56,7 +56,7 @@ def test_a_run_warns_once_when_the_film_meets_itself_and_whenever_its_stability_
         moved = rolled(body.patch, angle) if angle else np.zeros(body.size)
         balance = held.balance(moved, held.under(np.full(body.points, activation)))
         shape = Shape(Rest(moved, moved, 0.0), 5, 2.5)
-        return list(log.look_at(20.0, 5.0, balance, shape))
+        return list(log.look_at_frame(20.0, 5.0, balance, shape))
 
     assert look(0.0, 0.0) == []
     compressed = look(0.0, -40.0)  # active pressure makes a flat film buckle
