@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -75,17 +76,23 @@ def test_muscle_on_top_lifts_the_free_end() -> None:
     assert np.all(tip[:, 0] < 0)
 
 
-def test_a_stopped_run_goes_on_to_the_same_bits() -> None:
-    whole = mechanics.compute(config(), SURFACE, films.two_layers(), samples())
+ADAPTIVE = {"step_control": "adaptive", "error_tolerance": 1e-5}
+
+
+@pytest.mark.parametrize("changes", [{}, ADAPTIVE])
+def test_a_stopped_run_goes_on_to_the_same_bits(changes: dict[str, Any]) -> None:
+    arguments = config(**changes), SURFACE, films.two_layers(), samples()
+    whole = mechanics.compute(*arguments)
     run = MemoryRun(stop_after=4)
-    arguments = config(), SURFACE, films.two_layers(), samples()
     with pytest.raises(Stopped):
         mechanics.compute(*arguments, run=run)
     resumed = mechanics.compute(*arguments, run=run)
-    for name in ("displacement", "velocity", "acceleration", "strain_energy", "newton_iterations"):
+    for name in (f.name for f in fields(whole)):
         np.testing.assert_array_equal(
-            np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name))
+            np.asarray(getattr(resumed, name)), np.asarray(getattr(whole, name)), err_msg=name
         )
+    if changes:  # so that it matters what the controller and the error estimate remember
+        assert np.asarray(whole.sub_steps)[5:].min() > 1
 
 
 def test_equilibria_begin_with_the_unloaded_film_and_have_a_frame_for_every_interval() -> None:

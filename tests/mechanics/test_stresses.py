@@ -9,6 +9,7 @@ from stages.artefacts import Laminate, Layer
 from stages.mechanics.shell import Shell, build_shell
 from stages.mechanics.stresses import deformed_thickness, stress_state
 from stages.numerics.bsplines import Array
+from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.shapes import cylindrical_panel
 from tests.mechanics import films, materials, tensions
@@ -151,3 +152,21 @@ def test_a_place_outside_the_film_is_refused() -> None:
         stress_state(*at, layer="muscle")
     with pytest.raises(ValueError, match=r"level 1\.5 lies outside the layer"):
         stress_state(*at, layer="sheet", level=1.5)
+
+
+@pytest.mark.parametrize(
+    "patch", [films.flat((3, 2)), films.arched((3, 2))], ids=["flat", "arched"]
+)
+def test_the_recorded_stretch_of_the_fibres_is_the_one_at_mid_depth_of_the_muscle(
+    patch: Patch,
+) -> None:
+    """Fibres across the axes, on a sheared and bent film; the laws are those of the film."""
+    body = films.shell(patch, films.two_layers(angle=30.0))
+    grid = quadrature_grid(patch, body.basis.points)
+    u = 0.02 * np.random.default_rng(1).normal(size=body.size)
+    found = body.fibre_stretch(u)
+    top = films.two_layers().layers[-1].name
+    state = stress_state(body, u, grid.theta1, grid.theta2, layer=top)
+    assert np.ptp(found) > 0.01
+    # two ways to the same sum
+    np.testing.assert_allclose(found, state.fibre_stretch, rtol=1e-12)

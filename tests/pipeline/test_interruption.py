@@ -162,8 +162,10 @@ def test_a_waiting_process_names_the_holder_and_uses_its_result(
 ) -> None:
     first = start(slow(store))
     read_until(first, "1")
+    first.send_signal(signal.SIGSTOP)  # however long the second one takes to start
     second = start(slow(store))
     waiting = read_until(second, "StageWaiting")
+    first.send_signal(signal.SIGCONT)
     assert waiting[-1].startswith(f"StageWaiting process {first.pid} on ")
     assert waiting[-1].endswith("(stage wave)")
     assert first.wait(timeout=60) == 0
@@ -177,6 +179,7 @@ def test_a_killed_holder_does_not_block_the_one_that_waits(
 ) -> None:
     first = start(slow(store))
     read_until(first, "80")
+    first.send_signal(signal.SIGSTOP)  # as above
     second = start(slow(store, pause=0.0))
     read_until(second, "StageWaiting")
     first.send_signal(signal.SIGKILL)
