@@ -80,18 +80,27 @@ def turning_rows(patch: Patch, edge: str, *, moving: bool = False) -> Iterator[R
     """
     first, second = control_rows(patch, edge)
     normals = edge_frame(patch, edge).normal
-    if np.abs(normals - normals[0]).max() < FLAT:
-        functions, weights = np.eye(second.size), np.ones(second.size)
+    alike = np.abs(normals - normals[0]).max() < FLAT
+    if alike and (patch.weights is None or not moving):
+        slopes = np.zeros((second.size, patch.size))
+        slopes[np.arange(second.size), second] = 1.0
+        slopes[np.arange(second.size), first] = -1.0
     else:
-        space = patch.spaces[1 - across_direction(edge)]
-        functions = space.evaluate(space.greville())
-        weights = np.ones(patch.size) if patch.weights is None else patch.weights.ravel()
-        weights = weights[second]
-    for values, normal in zip(functions * weights, normals, strict=True):
-        near = np.flatnonzero(np.abs(values) > FLAT)
-        points = second[near].tolist() + (first[near].tolist() if moving else [])
-        factors = values[near].tolist() + ((-values[near]).tolist() if moving else [])
-        yield weighted(points, factors, normal)
+        slopes = _slopes_across(patch, edge)
+    turning = np.concatenate((second, first)) if moving else second
+    for slope, normal in zip(slopes[:, turning], normals, strict=True):
+        near = np.flatnonzero(np.abs(slope) > FLAT * np.abs(slope).max())
+        yield weighted(turning[near].tolist(), slope[near].tolist(), normal)
+
+
+def _slopes_across(patch: Patch, edge: str) -> Array:
+    """Derivatives of all functions across an edge, at its Greville points, relative to the largest."""
+    across = across_direction(edge)
+    theta = [space.greville() for space in patch.spaces]
+    theta[across] = theta[across][[0 if is_start(edge) else -1]]
+    points = np.stack([grid.ravel() for grid in np.meshgrid(*theta, indexing="ij")], axis=1)
+    slopes = patch.functions(points, (1, 0) if across == 0 else (0, 1))
+    return np.asarray(slopes / np.abs(slopes).max())
 
 
 def symmetry_plane(patch: Patch, edge: str) -> tuple[Array, Array, Array]:

@@ -320,3 +320,27 @@ def test_a_bad_support_is_refused(support: dict[str, Any], message: str) -> None
 def test_a_support_that_moves_by_nothing_holds() -> None:
     held = config(label={"kind": "point", "position": (1.0, 1.0), "x": 0.0}).supports["label"]
     assert held.law is None
+
+
+@pytest.mark.parametrize("edge", EDGES)
+@pytest.mark.parametrize(
+    "patch", [films.rational(), films.arched()], ids=["rational", "polynomial"]
+)
+def test_a_moved_edge_that_keeps_its_rotation_may_deform_along_itself(
+    patch: Patch, edge: Any
+) -> None:
+    """Z alone is prescribed; weights in no fixed ratio between the rows enter the slope of the edge."""
+    support = Displacement(edge=edge, z=0.3, rotation="held", time_law=Constant())
+    ties = constrain(patch, {"edge": support}).ties
+    shaken = 0.1 * np.random.default_rng(1).normal(size=3 * patch.size)
+    moved = ties.admissible(shaken, np.ones(1)).reshape(-1, 3)
+    across = 0 if edge.startswith("X") else 1
+    theta = [space.greville() for space in patch.spaces]
+    theta[across] = theta[across][[0 if edge.endswith("=0") else -1]]
+    points = np.stack([grid.ravel() for grid in np.meshgrid(*theta, indexing="ij")], axis=1)
+    order = (1, 0) if across == 0 else (0, 1)
+    slope = patch.functions(points, order) @ moved
+    normal = frame_on_grid(patch, *theta).normal
+    assert np.abs(slope).max() > 0.5
+    # round-off of slopes of size one
+    np.testing.assert_allclose(np.einsum("px,px->p", slope, normal), 0.0, atol=1e-13)
