@@ -100,6 +100,6 @@ SHAPES = Export(
     modules=("workflows.figures.shapes",),
     stages=("geometry", "mechanics", "postprocessing"),
     kind="picture",
-    caption="The film at six times, coloured by the size of its displacement. The thick edge is "
-    "clamped; the dashed outline is the film at rest.",
+    caption="The film at six times, coloured by the size of its displacement. A thick edge is "
+    "held; the dashed outline is the film at rest.",
 )

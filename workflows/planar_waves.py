@@ -199,7 +199,7 @@ WORKFLOW = Workflow(
             stages=ALL_BUT_TRANSFER,
             kind="picture",
             caption="The deformed film at six times, coloured by the transmembrane potential "
-            "(layout of Fig. 8). The thick edge is clamped; the dashed outline is the film at rest.",
+            "(layout of Fig. 8). A thick edge is held; the dashed outline is the film at rest.",
         ),
         Export(
             files=("fig9.png", "fig9.svg"),

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from stages.mechanics.materials.neo_hookean import NeoHookean
 from stages.mechanics.materials.neo_hookean_fibre import NeoHookeanFibre
+from stages.mechanics.supports.clamped import Clamped
+from stages.mechanics.supports.clamped_normal import ClampedNormal
 from stages.mechanics.tension_laws.length_dependent import LengthDependent
 from workflows.workflow import Quantity
 
@@ -43,8 +45,12 @@ def modified_stoney(config: ImposedFilmConfig) -> float | None:
 
 
 def is_bilayer(config: ImposedFilmConfig) -> bool:
-    """Whether the film is one substrate below one muscle, and nothing but the muscle bends it."""
-    return not config.geometry.layers and not config.mechanics.loads
+    """Whether one substrate lies below one muscle, clamped at X = 0 alone, and only the muscle bends it."""
+    held = [one for one in config.mechanics.supports.values() if one.kind != "free"]
+    clamps = [one for one in held if isinstance(one, Clamped | ClampedNormal) and one.edge == "X=0"]
+    return (
+        not config.geometry.layers and not config.mechanics.loads and len(held) == len(clamps) == 1
+    )
 
 
 def plies(config: ImposedFilmConfig, stress: float) -> list[Ply] | None:

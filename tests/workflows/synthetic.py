@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from stages.artefacts import (
     Layer,
     MidSurface,
 )
+from stages.mechanics.supports.clamped import Clamped
 from stages.numerics.patches import Patch
 from stages.postprocessing.config import PostprocessingConfig
 from stages.postprocessing.measures import take_measures
@@ -25,6 +27,9 @@ PROBES = PostprocessingConfig(
     mid_axis=1.0,
     velocity_window=(1.0, 2.5),
 )
+
+CLAMPED = SimpleNamespace(mechanics=SimpleNamespace(supports={"clamp": Clamped(edge="X=0")}))
+"""As much of a configuration as pictures look at."""
 
 
 def synthetic_experiment(
@@ -66,7 +71,7 @@ def synthetic_experiment(
         "mechanics": deformation,
         "postprocessing": measures,
     }
-    return Experiment(None, records.__getitem__)
+    return Experiment(CLAMPED, records.__getitem__)
 
 
 def _rolled(film: Patch, time: np.ndarray, stress: np.ndarray) -> Deformation:

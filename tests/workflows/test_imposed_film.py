@@ -204,3 +204,11 @@ def test_the_strip_formula_inverts_the_strip() -> None:
     assert layers is not None
     # the root is sought to 1e-9 of the stress
     assert strip_stress(config, free_strip(layers).curvature_x) == pytest.approx(7.0, rel=1e-8)
+
+
+def test_a_film_held_otherwise_is_not_read_as_a_strip(tmp_path: Path) -> None:
+    held = tmp_path / "held.toml"
+    held.write_text('[mechanics.supports.far]\nkind = "hinged"\nedge = "X=L1"\n')
+    config: Any = Request.read("curling", held).config
+    assert strip_stress(config, 0.3) is None
+    assert modified_stoney(config) is None

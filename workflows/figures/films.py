@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,12 +34,15 @@ class Panel:
         Points at rest and now, mm, shape ``(n1, n2, 3)``.
     field
         What colours it, shape ``(n1, n2)``.
+    held
+        Word for every edge that is held.
     """
 
     title: str
     reference: Array
     shape: Array
     field: Array
+    held: Mapping[str, str]
 
 
 def draw_films(
@@ -53,7 +56,7 @@ def draw_films(
             axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
             _draw_film(axes, panel, scale, box, 1.04 / room)
             if i == 0:
-                _draw_measures(axes, panel.reference)
+                _draw_measures(axes, panel)
             axes.set_title(f"({'abcdefghijkl'[i]})  {panel.title}", y=0.9, color=INK)
         figure.subplots_adjust(left=0.0, right=0.9, bottom=0.0, top=1.0, wspace=0.0, hspace=0.0)
         bar = figure.add_axes((0.925, 0.2, 0.014, 0.6))
@@ -90,9 +93,10 @@ def _draw_film(
     )
     film.set_rasterized(True)
     film.set_clip_on(False)
-    for edge in (shape[-1], shape[:, 0], shape[:, -1]):
-        axes.plot(*edge.T, color=INK, lw=0.8, zorder=3, clip_on=False)
-    axes.plot(*shape[0].T, color=INK, lw=3.0, zorder=3, clip_on=False)  # the clamp
+    edges = {"X=0": shape[0], "X=L1": shape[-1], "Y=0": shape[:, 0], "Y=L2": shape[:, -1]}
+    for name, edge in edges.items():
+        width = 3.0 if name in panel.held else 0.8
+        axes.plot(*edge.T, color=INK, lw=width, zorder=3, clip_on=False)
     low, high = box
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     # A box is drawn with a fixed diagonal; the zoom undoes that, so that all films are equally long.
@@ -102,9 +106,9 @@ def _draw_film(
     axes.set_axis_off()
 
 
-def _draw_measures(axes: Axes3D, reference: Array) -> None:
-    """Directions, a length of 1 mm, and which edge is clamped, in the plane of the film at rest."""
-    corner, far = reference[0, 0], reference[-1, -1]
+def _draw_measures(axes: Axes3D, panel: Panel) -> None:
+    """Directions, a length of 1 mm, and how edges are held, in the plane of the film at rest."""
+    corner, far = panel.reference[0, 0], panel.reference[-1, -1]
     bar = corner + np.array([[0.0, -0.3, 0.0], [1.0, -0.3, 0.0]])
     axes.plot(*bar.T, color=INK, lw=1.6, clip_on=False)
     look = {"color": INK, "fontsize": 9, "ha": "center", "va": "center"}
@@ -112,7 +116,14 @@ def _draw_measures(axes: Axes3D, reference: Array) -> None:
     axes.text(corner[0] + 0.6, corner[1] - 0.58, corner[2], "1 mm", **look)
     axes.text(middle[0] + 0.5, corner[1] - 0.35, corner[2], "$X$", **look)
     axes.text(far[0] + 0.3, middle[1], far[2], "$Y$", **look)
-    axes.text(corner[0] - 0.6, middle[1] + 0.45, corner[2], "clamped", **look)
+    beside = {
+        "X=0": (corner[0] - 0.6, middle[1] + 0.45),
+        "X=L1": (far[0] + 0.6, middle[1] - 0.45),
+        "Y=0": (middle[0] - 0.3, corner[1] - 0.6),
+        "Y=L2": (middle[0], far[1] + 0.4),
+    }
+    for edge, word in panel.held.items():
+        axes.text(*beside[edge], corner[2], word, **look)
 
 
 def _room(box: tuple[Array, Array]) -> float:

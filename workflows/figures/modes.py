@@ -10,6 +10,7 @@ from matplotlib.colors import Normalize
 from workflows.experiment import Experiment
 from workflows.exports.sampling import FilmGrid
 from workflows.figures.films import QUADS_ALONG, Panel, draw_films
+from workflows.figures.held_edges import held_edges
 
 COUNT = 6
 """Modes that are drawn."""
@@ -28,5 +29,13 @@ def write(experiment: Experiment, folder: Path) -> None:
         mode = grid.displacement(np.asarray(shape))
         moved = grid.reference + height * mode
         size = np.linalg.norm(mode, axis=-1)
-        panels.append(Panel(f"load factor {float(factor):.4g}", grid.reference, moved, size))
+        panels.append(
+            Panel(
+                f"load factor {float(factor):.4g}",
+                grid.reference,
+                moved,
+                size,
+                held_edges(experiment),
+            )
+        )
     draw_films(panels, Normalize(0.0, 1.0), "size of the mode", folder, "modes")

@@ -11,6 +11,7 @@ from matplotlib.colors import Normalize
 from workflows.experiment import Experiment
 from workflows.exports.sampling import FilmGrid
 from workflows.figures.films import QUADS_ALONG, Panel, draw_films
+from workflows.figures.held_edges import held_edges
 
 COUNT = 6
 
@@ -42,7 +43,8 @@ def _panel(experiment: Experiment, frame: int, title: str) -> Panel:
     grid = FilmGrid.square(experiment, QUADS_ALONG)
     net = np.asarray(experiment.deformation.displacement[frame], dtype=float)
     moved = grid.displacement(net)
-    return Panel(title, grid.reference, grid.reference + moved, np.linalg.norm(moved, axis=-1))
+    size = np.linalg.norm(moved, axis=-1)
+    return Panel(title, grid.reference, grid.reference + moved, size, held_edges(experiment))
 
 
 def _draw(panels: list[Panel], folder: Path, name: str) -> None:

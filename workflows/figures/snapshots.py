@@ -10,6 +10,7 @@ from stages.numerics.time_series import TimeSeries
 from workflows.experiment import Experiment
 from workflows.exports.sampling import FilmGrid
 from workflows.figures.films import QUADS_ALONG, Panel, draw_films
+from workflows.figures.held_edges import held_edges
 
 PAPER_TIMES = (0.0, 100.0, 435.0, 575.0, 775.0, 875.0)
 """Times of the six panels, ms (caption of Fig. 8)."""
@@ -30,6 +31,7 @@ def write(experiment: Experiment, folder: Path) -> None:
             grid.reference,
             grid.reference + grid.displacement(control.at(t)),
             grid.cell_field(cells.at(t)),
+            held_edges(experiment),
         )
         for t in snapshot_times(float(deformation.time[-1]))
     ]
