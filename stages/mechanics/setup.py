@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from stages.artefacts import Laminate, StressSamples
-from stages.mechanics.arc_path import ByArcLength
-from stages.mechanics.body import Body
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.body.rigid import check_is_held
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig, ShellConfig
 from stages.mechanics.controls.arc_length import ArcLength
-from stages.mechanics.dynamics import ShellDynamics
-from stages.mechanics.equilibrium import QuasiStatics
-from stages.mechanics.frames import ByLoad, Controlled
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.rigid import check_is_held
-from stages.mechanics.shell import Shell, build_shell
-from stages.mechanics.time_loop import TimeLoop
+from stages.mechanics.dynamics.dynamics import ShellDynamics
+from stages.mechanics.dynamics.time_loop import TimeLoop
+from stages.mechanics.shell.shell import Shell, build_shell
+from stages.mechanics.statics.arc_path import ByArcLength
+from stages.mechanics.statics.equilibrium import QuasiStatics
+from stages.mechanics.statics.frames import ByLoad, Controlled
 from stages.numerics.integration import Integrator
 from stages.numerics.newton import NewtonControls
 from stages.numerics.patches import Patch

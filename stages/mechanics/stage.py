@@ -16,9 +16,9 @@ from stages.artefacts import (
 from stages.mechanics.config import EquilibriumConfig, MechanicsConfig
 
 if TYPE_CHECKING:
-    from stages.mechanics.frames import Frame
-    from stages.mechanics.imposed import Imposed
-    from stages.mechanics.time_loop import Arrival, TimeLoop
+    from stages.mechanics.body.imposed import Imposed
+    from stages.mechanics.dynamics.time_loop import Arrival, TimeLoop
+    from stages.mechanics.statics.frames import Frame
     from stages.numerics.bsplines import Array
 
 
@@ -34,9 +34,9 @@ def mechanics(
     """Motion of the film from rest, step by step (secs. 3.1-3.2)."""
     import numpy as np
 
-    from stages.mechanics.resumption import packed, unpacked
+    from stages.mechanics.dynamics.resumption import packed, unpacked
+    from stages.mechanics.dynamics.time_loop import Arrival
     from stages.mechanics.setup import build_loop, check_inputs
-    from stages.mechanics.time_loop import Arrival
     from stages.numerics.step_control import Control
     from stages.numerics.time_series import FrameReader
 
@@ -143,8 +143,8 @@ def buckling(
     run: StageRun,
 ) -> BucklingModes:
     """Factors of what acts at the last instant that buckle the film, linearised at the film at rest."""
-    from stages.mechanics.buckling import motion_before, scaled_modes
     from stages.mechanics.setup import build_statics, check_inputs
+    from stages.mechanics.statics.buckling import motion_before, scaled_modes
     from stages.numerics.time_series import FrameReader
 
     body = build_statics(config, mid_surface.patch, laminate).body

@@ -7,10 +7,10 @@ from dataclasses import fields
 import numpy as np
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.body import Body
+from stages.mechanics.body.body import Body
 from stages.mechanics.config import MechanicsConfig
 from stages.mechanics.materials.base import Material
-from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.shell.shell import Shell, build_shell
 from stages.mechanics.supports.clamped import Clamped
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.newton import NewtonControls

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from stages.mechanics.body import Body
-from stages.mechanics.equilibrium import QuasiStatics
-from stages.mechanics.imposed import Imposed
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.statics.equilibrium import QuasiStatics
 from stages.numerics.bsplines import Array
 from stages.numerics.newton import NewtonControls
 from stages.numerics.stepping import Attempt, ignore

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from stages.mechanics.material_point import PlaneReference, constants_of, plain_point
 from stages.mechanics.materials.base import Material
+from stages.mechanics.shell.material_point import PlaneReference, constants_of, plain_point
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.mechanics.tension_laws.prescribed import Prescribed
 from stages.numerics.bsplines import Array

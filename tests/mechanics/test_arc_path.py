@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from pipeline.memory import MemoryRun
 from pipeline.testing import interrupted_and_resumed
 from stages.artefacts import Equilibria, Laminate, Layer, MidSurface, StressSamples
+from stages.mechanics.actions.points import functions_over
 from stages.mechanics.config import EquilibriumConfig
-from stages.mechanics.equilibrium import UnreachedShapeError
-from stages.mechanics.points import functions_over
 from stages.mechanics.stage import buckling, equilibrium
+from stages.mechanics.statics.equilibrium import UnreachedShapeError
 from tests.mechanics import films
 
 ELEMENTS = (8, 1)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.body import Body
-from stages.mechanics.buckling import buckling_modes, softest_modes
-from stages.mechanics.loading import Loading
+from stages.mechanics.body.body import Body
 from stages.mechanics.loads.edge_traction import EdgeTraction
 from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-from stages.mechanics.shell import build_shell
+from stages.mechanics.shell.shell import build_shell
+from stages.mechanics.statics.buckling import buckling_modes, softest_modes
+from stages.mechanics.statics.loading import Loading
 from stages.mechanics.supports.clamped_normal import ClampedNormal
 from stages.numerics.branches import ArcControls
 from stages.numerics.buckling import NoModesError

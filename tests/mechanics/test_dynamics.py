@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 import pytest
 
-from stages.mechanics.dynamics import ShellDynamics
-from stages.mechanics.shell import Shell
-from stages.mechanics.time_loop import Arrival, TimeLoop
+from stages.mechanics.dynamics.dynamics import ShellDynamics
+from stages.mechanics.dynamics.time_loop import Arrival, TimeLoop
+from stages.mechanics.shell.shell import Shell
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import UnsolvedStepError
 from stages.numerics.integration import Integrator, Travel

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.interpolate import interp1d
 
-from stages.mechanics.active_part import active_force
-from stages.mechanics.body import Body
-from stages.mechanics.dynamics import ShellDynamics
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.dynamics.dynamics import ShellDynamics
+from stages.mechanics.dynamics.time_loop import TimeLoop
+from stages.mechanics.shell.active_part import active_force
+from stages.mechanics.shell.shell import Shell, build_shell
 from stages.mechanics.supports.base import Support
 from stages.mechanics.supports.clamped import Clamped
 from stages.mechanics.supports.displacement import Displacement
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.mechanics.tension_laws.length_dependent import LengthDependent
 from stages.mechanics.tension_laws.prescribed import Prescribed
-from stages.mechanics.time_loop import TimeLoop
 from stages.numerics.bsplines import Array
 from stages.numerics.integration import Integrator, Travel
 from stages.numerics.time_stepping import GeneralizedAlpha

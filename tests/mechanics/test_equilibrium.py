@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.mechanics.equilibrium import UnreachedShapeError
-from stages.mechanics.loading import Loading
-from stages.mechanics.shell import Shell
+from stages.mechanics.shell.shell import Shell
+from stages.mechanics.statics.equilibrium import UnreachedShapeError
+from stages.mechanics.statics.loading import Loading
 from stages.numerics.newton import newton
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid

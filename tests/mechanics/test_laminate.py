@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stages.mechanics.discretisation import basis_on_grid
-from stages.mechanics.kinematics import Frames, compute_frames
-from stages.mechanics.laminate import LayerPoints, points_through, surface_density
-from stages.mechanics.shell import build_shell
+from stages.mechanics.shell.discretisation import basis_on_grid
+from stages.mechanics.shell.kinematics import Frames, compute_frames
+from stages.mechanics.shell.laminate import LayerPoints, points_through, surface_density
+from stages.mechanics.shell.shell import build_shell
 from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
 from tests.mechanics import films

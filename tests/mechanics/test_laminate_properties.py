@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.shell.shell import Shell, build_shell
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

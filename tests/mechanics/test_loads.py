@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from stages.configuration import OneOf
-from stages.mechanics.body import Body
-from stages.mechanics.forces.base import Force
-from stages.mechanics.forces.pressure import Pressure
+from stages.mechanics.actions.forces.base import Force
+from stages.mechanics.actions.forces.pressure import Pressure
+from stages.mechanics.body.body import Body
 from stages.mechanics.loads.area import AreaLoad
 from stages.mechanics.loads.base import Load
 from stages.mechanics.loads.edge_moment import EdgeMomentLoad

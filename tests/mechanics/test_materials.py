@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from stages.mechanics.config import AnyMaterial
 from stages.mechanics.materials.base import Material, PlaneStress, law_of
 from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-from stages.mechanics.plane_stress import plane_law, thickness_stretch
+from stages.mechanics.shell.plane_stress import plane_law, thickness_stretch
 from tests.mechanics import materials, points
 from tests.mechanics.materials import EXAMPLES, example
 

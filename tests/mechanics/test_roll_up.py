@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stages.mechanics.equilibrium import Rest, Shape
-from stages.mechanics.loading_log import LoadingLog
-from stages.mechanics.roll_up import largest_turn
+from stages.mechanics.statics.equilibrium import Rest, Shape
+from stages.mechanics.statics.loading_log import LoadingLog
+from stages.mechanics.statics.roll_up import largest_turn
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from tests.mechanics import films

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.shell import Shell, build_shell
+from stages.mechanics.shell.shell import Shell, build_shell
 from stages.numerics.bsplines import SplineSpace
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid

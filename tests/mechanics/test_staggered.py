@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.body import Body
-from stages.mechanics.dynamics import ShellDynamics
-from stages.mechanics.shell import build_shell
+from stages.mechanics.body.body import Body
+from stages.mechanics.dynamics.dynamics import ShellDynamics
+from stages.mechanics.shell.shell import build_shell
 from stages.mechanics.supports.clamped import Clamped
 from stages.mechanics.tension_laws.length_dependent import LengthDependent
 from stages.mechanics.tension_laws.prescribed import Prescribed

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.shell import Shell, build_shell
-from stages.mechanics.stresses import deformed_thickness, stress_state
+from stages.mechanics.shell.shell import Shell, build_shell
+from stages.mechanics.shell.stresses import deformed_thickness, stress_state
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from stages.mechanics.body import Body
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.constraints import constrain
+from stages.mechanics.body.rigid import FreeMotionError, check_is_held
 from stages.mechanics.config import EquilibriumConfig
-from stages.mechanics.constraints import constrain
-from stages.mechanics.rigid import FreeMotionError, check_is_held
 from stages.mechanics.supports.base import Support
 from stages.mechanics.supports.clamped import Clamped
 from stages.mechanics.supports.clamped_normal import ClampedNormal
@@ -203,7 +203,7 @@ def test_a_clamped_film_has_no_rigid_motion_left(support: type[Any], edge: str) 
 
 def test_a_film_that_can_deform_for_nothing_is_refused() -> None:
     """Fewer Gauss points than the configuration allows leave an hourglass."""
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
 
     thin = build_shell(films.flat((3, 3)), films.two_layers(), films.MATERIALS, plane_points=1)
     with pytest.raises(FreeMotionError, match="can deform without resistance"):

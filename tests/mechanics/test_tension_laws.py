@@ -7,7 +7,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from stages.mechanics.config import AnyTensionLaw
-from stages.mechanics.shell import build_shell
+from stages.mechanics.shell.shell import build_shell
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.mechanics.tension_laws.length_dependent import LengthDependent
 from tests.mechanics import films, tensions, twin

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stages.mechanics.materials.base import Incompressible, law_of
-from stages.mechanics.shell import Shell
+from stages.mechanics.shell.shell import Shell
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Laminate, Layer, StudyTable
-from stages.mechanics.constraints import constrain
+from stages.mechanics.body.constraints import constrain
 from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-from stages.mechanics.shell import build_shell
+from stages.mechanics.shell.shell import build_shell
 from stages.mechanics.supports.base import Support
 from stages.mechanics.supports.hinged import Hinged
 from stages.mechanics.supports.point import Point

@@ -88,9 +88,9 @@ def _tips(
     import numpy as np
 
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
     from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
     from stages.mechanics.supports.clamped_normal import ClampedNormal
     from stages.numerics.patches import Patch
     from workflows.verification.ramp import ramp

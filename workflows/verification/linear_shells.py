@@ -22,7 +22,7 @@ from workflows.workflow import Quantity
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stages.mechanics.shell import Shell
+    from stages.mechanics.shell.shell import Shell
     from stages.mechanics.supports.base import Support
     from stages.numerics.bsplines import Array
     from stages.numerics.patches import Patch
@@ -88,7 +88,7 @@ def _displacement(
 ) -> float:
     from stages.artefacts import Laminate, Layer
     from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
 
     solid = StVenantKirchhoff(
         density=1.0, young_modulus=config.young_modulus, poisson_ratio=config.poisson_ratio
@@ -101,7 +101,7 @@ def _displacement(
 
 def solve(shell: Shell, supports: Mapping[str, Support], force: Array) -> Array:
     """Small displacements under nodal forces: K(0) u = f on the supports, shape ``(dof,)``."""
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
 
     ties = Body.held(shell, supports).ties
     factor = ties.reduce(shell.stiffness_at_rest()).factorise()

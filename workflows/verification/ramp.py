@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from stages.mechanics.body import Body
-    from stages.mechanics.imposed import Imposed
+    from stages.mechanics.body.body import Body
+    from stages.mechanics.body.imposed import Imposed
     from stages.numerics.bsplines import Array
 
 
@@ -25,7 +25,7 @@ def ramp(
     """
     import numpy as np
 
-    from stages.mechanics.loading import Loading
+    from stages.mechanics.statics.loading import Loading
     from stages.numerics.newton import NewtonControls
     from stages.numerics.stepping import PathPoint, StepControls, follow
 

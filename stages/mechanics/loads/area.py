@@ -8,7 +8,7 @@ from stages.configuration import quantity
 from stages.mechanics.loads.base import Load
 
 if TYPE_CHECKING:
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 
@@ -22,7 +22,7 @@ class AreaLoad(Load):
 
     def on(self, patch: Patch, points: int) -> Force:
         """F_I = integral of N_I q."""
-        from stages.mechanics.forces.dead import over_area
+        from stages.mechanics.actions.forces.dead import over_area
 
         return over_area(patch, self.traction, points)
 

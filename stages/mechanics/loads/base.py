@@ -8,7 +8,7 @@ from stages.configuration import Section, setting
 from stages.time_laws.base import AnyTimeLaw
 
 if TYPE_CHECKING:  # a configuration is read without numpy
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 

@@ -8,7 +8,7 @@ from stages.configuration import Edge, quantity, setting
 from stages.mechanics.loads.base import Load
 
 if TYPE_CHECKING:
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 
@@ -25,8 +25,8 @@ class EdgeMomentLoad(Load):
 
     def on(self, patch: Patch, points: int) -> Force:
         """F_I = integral of m N_I,n a_3 along the edge."""
-        from stages.mechanics.forces.edge_moment import EdgeMoment
-        from stages.mechanics.forces.scaled import Scaled
+        from stages.mechanics.actions.forces.edge_moment import EdgeMoment
+        from stages.mechanics.actions.forces.scaled import Scaled
 
         return Scaled(self.moment, EdgeMoment.on(patch, self.edge, points))
 

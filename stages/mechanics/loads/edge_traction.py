@@ -8,7 +8,7 @@ from stages.configuration import Edge, quantity, setting
 from stages.mechanics.loads.base import Load
 
 if TYPE_CHECKING:
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 
@@ -23,7 +23,7 @@ class EdgeTraction(Load):
 
     def on(self, patch: Patch, points: int) -> Force:
         """F_I = integral of N_I t along the edge."""
-        from stages.mechanics.forces.dead import along_edge
+        from stages.mechanics.actions.forces.dead import along_edge
 
         return along_edge(patch, self.edge, self.traction, points)
 

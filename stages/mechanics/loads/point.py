@@ -11,7 +11,7 @@ from stages.configuration import quantity, setting
 from stages.mechanics.loads.base import Load
 
 if TYPE_CHECKING:
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 
@@ -39,7 +39,7 @@ class PointLoad(Load):
 
     def on(self, patch: Patch, points: int) -> Force:
         """F_I = N_I P."""
-        from stages.mechanics.forces.dead import at_parameters, at_position
+        from stages.mechanics.actions.forces.dead import at_parameters, at_position
 
         if self.position is not None:
             return at_position(patch, self.position, self.force)

@@ -8,7 +8,7 @@ from stages.configuration import quantity
 from stages.mechanics.loads.base import Load
 
 if TYPE_CHECKING:
-    from stages.mechanics.forces.base import Force
+    from stages.mechanics.actions.forces.base import Force
     from stages.numerics.patches import Patch
 
 
@@ -20,8 +20,8 @@ class PressureLoad(Load):
 
     def on(self, patch: Patch, points: int) -> Force:
         """F_I = integral of p N_I a_3 over the deformed film; exact with points of its own."""
-        from stages.mechanics.forces.pressure import Pressure
-        from stages.mechanics.forces.scaled import Scaled
+        from stages.mechanics.actions.forces.pressure import Pressure
+        from stages.mechanics.actions.forces.scaled import Scaled
 
         return Scaled(self.pressure, Pressure.on(patch))
 

@@ -9,7 +9,7 @@ They vanish at rest and are formed from the strain itself, so that small strains
 invariants of C_ab in the plane are t = 2 + trace, j = 1 + trace + det = J0^2, and lambda_f^2 = 1 + fibre.
 
 A law comes in one of two forms. For an :class:`Incompressible` solid it is psi(I1, I2, I4), and
-:mod:`stages.mechanics.plane_stress` makes w of it once for all. A :class:`PlaneStress` law gives w itself,
+:mod:`stages.mechanics.shell.plane_stress` makes w of it once for all. A :class:`PlaneStress` law gives w itself,
 which is the way for solids that change their volume. One fibre family is provided for.
 """
 

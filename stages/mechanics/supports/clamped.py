@@ -25,8 +25,8 @@ class Clamped(Support):
 
     def relations(self, patch: Patch) -> Iterable[Relation]:
         """Every component of the first two rows is zero."""
-        from stages.mechanics.edges import control_rows
-        from stages.mechanics.relations import held
+        from stages.mechanics.actions.edges import control_rows
+        from stages.mechanics.actions.relations import held
 
         for row in control_rows(patch, self.edge):
             yield from held(row)

@@ -26,8 +26,8 @@ class ClampedNormal(Support):
 
     def relations(self, patch: Patch) -> Iterable[Relation]:
         """u = 0 on the first row, n . u = 0 along the second."""
-        from stages.mechanics.edges import control_rows, turning_rows
-        from stages.mechanics.relations import held
+        from stages.mechanics.actions.edges import control_rows, turning_rows
+        from stages.mechanics.actions.relations import held
 
         yield from held(control_rows(patch, self.edge)[0])
         yield from turning_rows(patch, self.edge)

@@ -28,8 +28,8 @@ class Displacement(MovingSupport):
 
     def relations(self, patch: Patch) -> Iterator[Relation]:
         """The components of the first row are those prescribed."""
-        from stages.mechanics.edges import control_rows, turning_rows
-        from stages.mechanics.relations import moved
+        from stages.mechanics.actions.edges import control_rows, turning_rows
+        from stages.mechanics.actions.relations import moved
 
         yield from moved(control_rows(patch, self.edge)[0], self.prescribed)
         if self.rotation == "held":

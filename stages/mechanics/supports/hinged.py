@@ -34,8 +34,8 @@ class Hinged(Support):
 
     def relations(self, patch: Patch) -> Iterable[Relation]:
         """The components of the first row are zero."""
-        from stages.mechanics.edges import control_rows
-        from stages.mechanics.relations import held
+        from stages.mechanics.actions.edges import control_rows
+        from stages.mechanics.actions.relations import held
 
         return held(control_rows(patch, self.edge)[0], self.components)
 

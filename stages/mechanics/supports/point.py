@@ -23,8 +23,8 @@ class Point(MovingSupport):
         """sum_i N_i(theta) u_i is the displacement prescribed, component by component."""
         import numpy as np
 
-        from stages.mechanics.points import functions_over
-        from stages.mechanics.relations import COMPONENTS, weighted
+        from stages.mechanics.actions.points import functions_over
+        from stages.mechanics.actions.relations import COMPONENTS, weighted
 
         functions = functions_over(patch, self.position)
         points = [int(i) for i in np.flatnonzero(functions)]

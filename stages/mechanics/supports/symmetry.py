@@ -28,8 +28,8 @@ class Symmetry(Support):
         """n . u = 0 on the first row; along the plane both rows move alike."""
         import numpy as np
 
-        from stages.mechanics.edges import control_rows, symmetry_plane
-        from stages.mechanics.relations import along, together
+        from stages.mechanics.actions.edges import control_rows, symmetry_plane
+        from stages.mechanics.actions.relations import along, together
 
         first, second = control_rows(patch, self.edge)
         normal, *in_plane = symmetry_plane(patch, self.edge)

@@ -116,10 +116,10 @@ def _curvature(
     import numpy as np
 
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
     from stages.mechanics.materials.neo_hookean import NeoHookean
     from stages.mechanics.materials.neo_hookean_fibre import NeoHookeanFibre
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
     from stages.numerics.patches import Patch
     from stages.numerics.quadrature import quadrature_grid
     from stages.numerics.surface_geometry import frame_on_grid

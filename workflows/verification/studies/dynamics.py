@@ -28,7 +28,7 @@ from workflows.workflow import Quantity
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stages.mechanics.dynamics import LoadedShell, ShellDynamics
+    from stages.mechanics.dynamics.dynamics import LoadedShell, ShellDynamics
     from stages.numerics.bsplines import Array
     from stages.numerics.newton import Linearisation
     from stages.numerics.patches import Patch
@@ -135,9 +135,9 @@ class Driven:
 
 def _path(config: DynamicsConfig, case: int) -> Path:
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.body import Body
-    from stages.mechanics.dynamics import ShellDynamics
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.body.body import Body
+    from stages.mechanics.dynamics.dynamics import ShellDynamics
+    from stages.mechanics.shell.shell import build_shell
     from stages.mechanics.supports.clamped import Clamped
     from stages.mechanics.tension_laws.prescribed import Prescribed
     from stages.numerics.patches import Patch

@@ -61,8 +61,8 @@ class Pole(Support):
         """Even or odd displacements next to both meridians; the pole and its neighbours."""
         import numpy as np
 
-        from stages.mechanics.edges import control_rows
-        from stages.mechanics.relations import held, together
+        from stages.mechanics.actions.edges import control_rows
+        from stages.mechanics.actions.relations import held, together
 
         for edge, normal, even in (("X=0", "y", (0, 2)), ("X=L1", "x", (1, 2))):
             first, second = control_rows(patch, edge)

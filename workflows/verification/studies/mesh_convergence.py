@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from stages.mechanics.shell import Shell
+    from stages.mechanics.shell.shell import Shell
     from stages.numerics.bsplines import Array
     from stages.numerics.patches import Patch
 
@@ -111,7 +111,7 @@ def _held(patch: Patch) -> NDArray[np.bool_]:
 
 def _shell(config: MeshConvergenceConfig, patch: Patch) -> Shell:
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
 
     layer = Layer("film", "film", config.thickness, config.fibre_angle, 0.0)
     return build_shell(patch, Laminate((layer,)), {"film": config.material})

@@ -25,7 +25,7 @@ from workflows.workflow import Quantity
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
     from stages.numerics.bsplines import Array
 
 SOURCE = "Sze et al. (2004)"
@@ -85,7 +85,7 @@ def _path(config: SnapThroughConfig, thickness: float) -> list[tuple[float, ...]
     """Load, deflection, kind of point, unstable directions and iterations."""
     import numpy as np
 
-    from stages.mechanics.loading import Loading
+    from stages.mechanics.statics.loading import Loading
     from stages.numerics.branches import ArcControls, BranchPoint
     from stages.numerics.continuation import Branch
     from stages.numerics.critical import PathEnd, trace
@@ -119,10 +119,10 @@ def panel(config: SnapThroughConfig, thickness: float) -> Body:
     import math
 
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
     from stages.mechanics.loads.point import PointLoad
     from stages.mechanics.materials.st_venant_kirchhoff import StVenantKirchhoff
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
     from stages.mechanics.supports.hinged import Hinged
     from stages.mechanics.supports.symmetry import Symmetry
     from stages.numerics.shapes import cylindrical_panel

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from stages.mechanics.shell import Shell, ShellResponse
+    from stages.mechanics.shell.shell import Shell, ShellResponse
     from stages.numerics.bsplines import Array
 
 
@@ -66,9 +66,9 @@ def _pulled(config: TensionConfig) -> Iterator[tuple[float, Shell, ShellResponse
     import numpy as np
 
     from stages.artefacts import Laminate, Layer
-    from stages.mechanics.body import Body
+    from stages.mechanics.body.body import Body
     from stages.mechanics.materials.neo_hookean import NeoHookean
-    from stages.mechanics.shell import build_shell
+    from stages.mechanics.shell.shell import build_shell
     from stages.mechanics.supports.displacement import Displacement
     from stages.numerics.patches import Patch
     from stages.time_laws.ramp import Ramp

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.discretisation import (
+from stages.mechanics.shell.discretisation import (
     Basis,
     basis_on_grid,
     shape_derivatives,

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stages.mechanics.laminate import LayerPoints, fibre_direction
-from stages.mechanics.material_point import PlaneReference, constants_of, plain_point
-from stages.mechanics.plane_stress import thickness_stretch
-from stages.mechanics.shell import PRESCRIBED, Shell
+from stages.mechanics.shell.laminate import LayerPoints, fibre_direction
+from stages.mechanics.shell.material_point import PlaneReference, constants_of, plain_point
+from stages.mechanics.shell.plane_stress import thickness_stretch
+from stages.mechanics.shell.shell import PRESCRIBED, Shell
 from stages.mechanics.tension_laws.base import functions_of
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.edges import edge_integrals
-from stages.mechanics.points import functions_at, functions_over
+from stages.mechanics.actions.edges import edge_integrals
+from stages.mechanics.actions.points import functions_at, functions_over
 from stages.numerics.bands import GeneralBand
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.body import Body
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.loading import Loading, in_words
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.statics.loading import Loading, in_words
 from stages.numerics.bsplines import Array
 from stages.numerics.newton import Iteration, NewtonControls, NewtonError, SingularTangentError
 from stages.numerics.sparse import SingularMatrixError

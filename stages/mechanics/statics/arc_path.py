@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.body import Body
+from stages.mechanics.actions.points import functions_over
+from stages.mechanics.actions.relations import COMPONENTS
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
 from stages.mechanics.controls.arc_length import ArcLength
-from stages.mechanics.equilibrium import QuasiStatics
-from stages.mechanics.frames import Frame
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.loading import Loading
-from stages.mechanics.loading_log import LoadingLog, unstable_directions
-from stages.mechanics.points import functions_over
-from stages.mechanics.relations import COMPONENTS
+from stages.mechanics.statics.equilibrium import QuasiStatics
+from stages.mechanics.statics.frames import Frame
+from stages.mechanics.statics.loading import Loading
+from stages.mechanics.statics.loading_log import LoadingLog, unstable_directions
 from stages.numerics.branches import ArcControls, BranchPoint, Direction
 from stages.numerics.bsplines import Array
 from stages.numerics.continuation import Branch
@@ -99,7 +99,7 @@ class ByArcLength:
     def frames(
         self, saved: Mapping[str, Any] | None, first: int, tell: Callable[[str], None]
     ) -> Iterator[Frame]:
-        """See :class:`stages.mechanics.frames.Controlled`; frame 0 is the film under its preload.
+        """See :class:`stages.mechanics.statics.frames.Controlled`; frame 0 is the film under its preload.
 
         Raises
         ------

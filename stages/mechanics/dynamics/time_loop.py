@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.dynamics import LoadedShell, ShellDynamics
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.time_step import TimeStep
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.dynamics.dynamics import LoadedShell, ShellDynamics
+from stages.mechanics.dynamics.time_step import TimeStep
 from stages.numerics.bsplines import Array
 from stages.numerics.halving import HalvedSteps
 from stages.numerics.integration import Attempt, Integrator, Travel

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.mechanics.constraints import Constraints, constrain
-from stages.mechanics.forces.base import Force
-from stages.mechanics.imposed import Imposed
+from stages.mechanics.actions.forces.base import Force
+from stages.mechanics.body.constraints import Constraints, constrain
+from stages.mechanics.body.imposed import Imposed
 from stages.mechanics.loads.base import Load
-from stages.mechanics.prediction import predict_resultants
-from stages.mechanics.resultants import Resultants
-from stages.mechanics.shell import Shell, ShellResponse
+from stages.mechanics.shell.prediction import predict_resultants
+from stages.mechanics.shell.resultants import Resultants
+from stages.mechanics.shell.shell import Shell, ShellResponse
 from stages.mechanics.supports.base import Support
 from stages.numerics.bands import Band, GeneralBand
 from stages.numerics.bsplines import Array

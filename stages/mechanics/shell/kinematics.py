@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from stages.mechanics.discretisation import Basis, shape_derivatives
+from stages.mechanics.shell.discretisation import Basis, shape_derivatives
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel
 

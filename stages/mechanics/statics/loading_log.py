@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.body import Balance
-from stages.mechanics.equilibrium import Shape
-from stages.mechanics.loading import in_words
-from stages.mechanics.roll_up import largest_turn
+from stages.mechanics.body.body import Balance
+from stages.mechanics.statics.equilibrium import Shape
+from stages.mechanics.statics.loading import in_words
+from stages.mechanics.statics.roll_up import largest_turn
 from stages.numerics.critical import Critical
 
 

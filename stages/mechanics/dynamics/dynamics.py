@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.active_part import active_force
-from stages.mechanics.body import Body
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.shell import Shell
+from stages.mechanics.body.body import Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.shell.active_part import active_force
+from stages.mechanics.shell.shell import Shell
 from stages.numerics.bands import combined
 from stages.numerics.bsplines import Array
 from stages.numerics.energy_balance import Forces
@@ -98,7 +98,7 @@ class LoadedShell:
 
         Supports hold at t_{i+1}: they did at t_i, and what they ask for at t_alpha is linear in between.
         A displacement that violates them is led to one that does not by the first full correction,
-        with the film following, as in :meth:`~stages.mechanics.body.Body.linearise`.
+        with the film following, as in :meth:`~stages.mechanics.body.body.Body.linearise`.
         """
         dynamics, ties = self.dynamics, self.dynamics.body.ties
         balance = dynamics.body.balance(motion.displacement, self.imposed)

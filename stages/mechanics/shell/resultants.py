@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stages.mechanics.kinematics import Frames, strains_at
-from stages.mechanics.laminate import LayerPoints
-from stages.mechanics.material_point import compile_point, constants_of
+from stages.mechanics.shell.kinematics import Frames, strains_at
+from stages.mechanics.shell.laminate import LayerPoints
+from stages.mechanics.shell.material_point import compile_point, constants_of
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel

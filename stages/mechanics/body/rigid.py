@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stages.mechanics.body import Body
+from stages.mechanics.body.body import Body
 from stages.numerics.bsplines import Array
 from stages.numerics.sparse import SingularMatrixError
 

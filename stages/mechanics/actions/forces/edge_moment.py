@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.mechanics.edges import across_direction, edge_quadrature, is_start
+from stages.mechanics.actions.edges import across_direction, edge_quadrature, is_start
 from stages.numerics.bands import GeneralBand
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stages.mechanics.imposed import Imposed
+from stages.mechanics.body.imposed import Imposed
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from stages.mechanics.materials.base import Material
-from stages.mechanics.plane_stress import Prepare, as_it_is, plane_law
+from stages.mechanics.shell.plane_stress import Prepare, as_it_is, plane_law
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.compiled import inlined
 

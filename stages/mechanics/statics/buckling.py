@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from stages.mechanics.body import Balance, Body
-from stages.mechanics.imposed import Imposed
+from stages.mechanics.body.body import Balance, Body
+from stages.mechanics.body.imposed import Imposed
 from stages.numerics import buckling
 from stages.numerics.bands import Band
 from stages.numerics.bsplines import Array

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.mechanics.body import Balance, Body
-from stages.mechanics.imposed import Imposed
+from stages.mechanics.body.body import Balance, Body
+from stages.mechanics.body.imposed import Imposed
 from stages.numerics.bsplines import Array
 from stages.numerics.newton import Linearisation
 

@@ -9,8 +9,8 @@ from difflib import get_close_matches
 import numpy as np
 
 from stages.artefacts import Laminate, Layer
-from stages.mechanics.kinematics import Frames
 from stages.mechanics.materials.base import Material
+from stages.mechanics.shell.kinematics import Frames
 from stages.numerics.bsplines import Array
 from stages.numerics.quadrature import gauss
 from stages.numerics.surface_geometry import SurfaceFrame
@@ -30,7 +30,7 @@ class LayerPoints:
         theta3 and weight of each point through the layer, mm, shape ``(depth,)``.
     reference
         G^11 G^22 G^12, 1/det G_ab, f0^a f0^b (11, 22, 12): the fields of
-        :class:`~stages.mechanics.material_point.PlaneReference`, shape ``(point, depth, 7)``.
+        :class:`~stages.mechanics.shell.material_point.PlaneReference`, shape ``(point, depth, 7)``.
     thin
         Whether the metric is that of the mid-surface at every depth.
     """

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.discretisation import Basis, shape_derivatives
-from stages.mechanics.kinematics import Frames
-from stages.mechanics.shell import Shell, ShellResponse
+from stages.mechanics.shell.discretisation import Basis, shape_derivatives
+from stages.mechanics.shell.kinematics import Frames
+from stages.mechanics.shell.shell import Shell, ShellResponse
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
 

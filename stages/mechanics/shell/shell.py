@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.artefacts import Laminate
-from stages.mechanics.assembly import (
+from stages.mechanics.materials.base import Material
+from stages.mechanics.shell.assembly import (
     assemble_force,
     assemble_mass,
     assemble_stiffness,
     half_bandwidth,
 )
-from stages.mechanics.discretisation import Basis, basis_on_grid
-from stages.mechanics.fibres import FibreGauge
-from stages.mechanics.kinematics import Frames, compute_frames
-from stages.mechanics.laminate import LayerPoints, points_through, surface_density
-from stages.mechanics.materials.base import Material
-from stages.mechanics.resultants import Resultants, compile_layer
+from stages.mechanics.shell.discretisation import Basis, basis_on_grid
+from stages.mechanics.shell.fibres import FibreGauge
+from stages.mechanics.shell.kinematics import Frames, compute_frames
+from stages.mechanics.shell.laminate import LayerPoints, points_through, surface_density
+from stages.mechanics.shell.resultants import Resultants, compile_layer
 from stages.mechanics.tension_laws.base import TensionLaw
 from stages.mechanics.tension_laws.prescribed import Prescribed
 from stages.numerics.bsplines import Array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stages.mechanics.forces.base import Force
+from stages.mechanics.actions.forces.base import Force
 from stages.numerics.bands import GeneralBand
 from stages.numerics.bsplines import Array
 

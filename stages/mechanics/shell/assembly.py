@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.discretisation import Basis, shape_derivatives, shape_values
-from stages.mechanics.kinematics import Frames
-from stages.mechanics.resultants import Resultants
+from stages.mechanics.shell.discretisation import Basis, shape_derivatives, shape_values
+from stages.mechanics.shell.kinematics import Frames
+from stages.mechanics.shell.resultants import Resultants
 from stages.numerics.compiled import inlined, kernel
 
 

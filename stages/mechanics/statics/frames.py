@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from stages.mechanics.body import Balance, Body
-from stages.mechanics.equilibrium import QuasiStatics, Rest
-from stages.mechanics.imposed import Imposed
-from stages.mechanics.loading_log import LoadingLog
+from stages.mechanics.body.body import Balance, Body
+from stages.mechanics.body.imposed import Imposed
+from stages.mechanics.statics.equilibrium import QuasiStatics, Rest
+from stages.mechanics.statics.loading_log import LoadingLog
 from stages.numerics.stepping import Attempt
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.mechanics.relations import Points, weighted
+from stages.mechanics.actions.relations import Points, weighted
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import EDGES
 from stages.numerics.patches import Patch

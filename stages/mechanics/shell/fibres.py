@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.kinematics import Frames
-from stages.mechanics.laminate import LayerPoints, fibre_direction, reference_at_depth
+from stages.mechanics.shell.kinematics import Frames
+from stages.mechanics.shell.laminate import LayerPoints, fibre_direction, reference_at_depth
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel

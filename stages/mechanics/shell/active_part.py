@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from stages.mechanics.assembly import assemble_force
-from stages.mechanics.kinematics import Frames, strains_at
-from stages.mechanics.resultants import Resultants
-from stages.mechanics.shell import Shell
+from stages.mechanics.shell.assembly import assemble_force
+from stages.mechanics.shell.kinematics import Frames, strains_at
+from stages.mechanics.shell.resultants import Resultants
+from stages.mechanics.shell.shell import Shell
 from stages.mechanics.tension_laws.base import TensionLaw, functions_of
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel
@@ -20,7 +20,7 @@ from stages.numerics.compiled import inlined, kernel
 def active_force(shell: Shell, frames: Frames, activation: Array) -> Array:
     """F_int with the activation less F_int without it, at the same displacement.
 
-    It costs about a quarter of :meth:`~stages.mechanics.shell.Shell.respond`: no material is evaluated.
+    It costs about a quarter of :meth:`~stages.mechanics.shell.shell.Shell.respond`: no material is evaluated.
 
     Parameters
     ----------

@@ -1,0 +1,1 @@
+"""What supports and loads are made of: edges, points, relations of control points, nodal forces."""

@@ -1,0 +1,1 @@
+"""The discrete shell: from control points to forces, stiffness, mass, stresses."""

@@ -1,0 +1,1 @@
+"""Shapes in equilibrium: load paths, arc length, buckling."""
