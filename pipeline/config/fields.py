@@ -79,6 +79,10 @@ class Declared:
             )
         return (self,)
 
+    def any_choice(self) -> Choice | None:
+        """Choice of the first member that has one."""
+        return next((member.choice for member in self.members() if member.choice), None)
+
     def item(self, place: int | str) -> Declared:
         """Declaration of an item of a list or dict."""
         return replace(self, hint=item_hints(self.hint, place), choice=None).opened()

@@ -87,7 +87,9 @@ def _head(place: Place, item: ErrorDetails) -> str:
     if not place.path:
         return ""
     if kind == "unknown_name":
-        value = item["ctx"]["given"]
+        choice = place.declared.any_choice()
+        tag = f".{choice.tag}" if choice and isinstance(value, Mapping) else ""
+        return f"{place.path}{tag} = {_shown(item['ctx']['given'])}: "
     if kind == "missing" or isinstance(value, Mapping | BaseModel):
         return f"{place.path}: "
     return f"{place.path} = {_shown(value)}: "

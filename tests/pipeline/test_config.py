@@ -403,7 +403,7 @@ def test_reading_a_configuration_without_units_imports_no_unit_library(
         ),
         (
             "solver.law.name=stif",
-            "solver.law = \"stif\": choose one of: soft, stiff; did you mean 'stiff'?",
+            "solver.law.name = \"stif\": choose one of: soft, stiff; did you mean 'stiff'?",
         ),
         (
             "solver.law.name=stiff",

@@ -64,6 +64,7 @@ def refused(result: Result, *parts: str) -> None:
             ["mechanics.loads.tip.position = (4, 1) mm", "outside the film"],
         ),
         ("mechanics.loads.wind=pressure", ["mechanics.loads.wind.time_law", "missing", "kPa"]),
+        ("mechanics.substrate.name=neo-hooke", ['mechanics.substrate.name = "neo-hooke"', "ean'?"]),
         ("mechanics.loads.wind.kind=wind", ["choose one of", "area", "pressure"]),
         ("mechanics.plane_points=1", ["plane_points 1 is too few for degree 2"]),
         (

@@ -28,6 +28,15 @@ def test_every_parameter_is_shown_with_unit_and_source() -> None:
     assert "[1.75, 1]" in lines["postprocessing.probes.A"]
 
 
+def test_what_is_picked_by_name_is_shown_with_the_names_on_offer() -> None:
+    result = invoke("show", "curling")
+    lines = {line.split()[0]: line for line in result.output.splitlines() if "." in line}
+    assert "one of: clamped, clamped-normal, disp" in lines["mechanics.supports.clamp.kind"]
+    assert "one of: constant, ramp" in lines["activation.time_law.name"]
+    assert "kind one of: area, edge-moment" in lines["mechanics.loads"]  # there are none yet
+    assert "name one of: holzapfel-ogden" in lines["mechanics.materials"]
+
+
 @pytest.mark.parametrize("width", [50, 80, 130])
 def test_parameters_fit_the_terminal(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = invoke("show", "planar-waves").output
