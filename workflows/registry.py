@@ -69,16 +69,19 @@ def parameters(name: str) -> Path:
     return Path(__file__).parent / "parameters" / f"{name}.toml"
 
 
-def unknown(kind: str, name: str, names: list[str]) -> Exception:
-    """Error for a name that does not exist, with the nearest one that does.
+def unknown(kind: str, name: str, names: list[str], owner: str = "") -> Exception:
+    """Error for a name that does not exist (in the owner's list), with the nearest one that does.
 
     Examples
     --------
     >>> print(unknown("workflow", "planar-wave", ["planar-waves"]))
     there is no workflow 'planar-wave'; did you mean 'planar-waves'? Known: planar-waves
+    >>> print(unknown("stage", "electrophysiology", ["geometry"], "curling"))
+    curling has no stage 'electrophysiology'. Known: geometry
     """
     from pipeline.errors import InputError
 
-    near = get_close_matches(name, names, n=1, cutoff=0.4)
+    near = get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else "."
-    return InputError(f"there is no {kind} {name!r}{hint} Known: {', '.join(names)}")
+    lack = f"{owner} has no" if owner else "there is no"
+    return InputError(f"{lack} {kind} {name!r}{hint} Known: {', '.join(names)}")

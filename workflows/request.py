@@ -77,7 +77,7 @@ class Request:
         if last is None:
             return nodes
         if last not in nodes:
-            raise registry.unknown(f"stage of {self.workflow.name}", last, list(nodes))
+            raise registry.unknown("stage", last, list(nodes), self.workflow.name)
         from pipeline.nodes import in_order
 
         needed = {id(node) for _, node in in_order({last: nodes[last]})}

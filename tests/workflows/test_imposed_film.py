@@ -164,7 +164,7 @@ def test_named_probes_follow_a_longer_film(film: Desk, first: dict[str, Any]) ->
 def test_a_stage_that_the_workflow_has_not_is_refused(film: Desk) -> None:
     told = film.call("electrophysiology")
     assert told.exit_code == 2
-    assert f"no stage of {film.workflow} 'electrophysiology'" in told.stderr
+    assert f"{film.workflow} has no stage 'electrophysiology'" in told.stderr
     assert "geometry, activation, mechanics, postprocessing" in told.stderr
 
 
