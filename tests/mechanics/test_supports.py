@@ -317,6 +317,12 @@ def test_a_bad_support_is_refused(support: dict[str, Any], message: str) -> None
         config(label=support)
 
 
+def test_a_support_is_taken_away_with_all_that_it_was_given() -> None:
+    taken = {"kind": "free", "edge": "X=L1", "z": 0.2, "time_law": {"name": "constant"}}
+    clamp = {"kind": "clamped", "edge": "X=0"}
+    assert config(clamp=clamp, tip=taken).supports["tip"] == Free(edge="X=L1")
+
+
 def test_a_support_that_moves_by_nothing_holds() -> None:
     held = config(label={"kind": "point", "position": (1.0, 1.0), "x": 0.0}).supports["label"]
     assert held.law is None

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Literal
 
+from pydantic import ConfigDict
+
 from stages.configuration import Edge, setting
 from stages.mechanics.supports.base import Support
 
@@ -14,7 +16,12 @@ if TYPE_CHECKING:
 
 
 class Free(Support):
-    """Holds nothing: ``--set mechanics.supports.clamp.kind=free`` lets a clamped film go."""
+    """Holds nothing: ``--set mechanics.supports.clamp.kind=free`` lets a clamped film go.
+
+    Whatever else the support that it takes the place of was given says nothing any more.
+    """
+
+    model_config = ConfigDict(extra="ignore")
 
     kind: Literal["free"] = "free"
     edge: Edge | None = setting("edge that is let go; says nothing more", "sec. 4.1", default=None)
