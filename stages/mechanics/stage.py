@@ -76,6 +76,7 @@ def mechanics(
                 f"time step {done} (to t = {done * config.step:g} ms) converged only in parts of "
                 f"{config.step / 2**arrival.halvings:g} ms"
             )
+        run.tell(f"to t = {done * config.step:.6g} ms: {arrival}")
         run.progress(done, config.n_steps)
         run.checkpoint(
             lambda arrival=arrival, halved=halved: {  # type: ignore[misc]  # defaults bind the loop

@@ -120,8 +120,8 @@ def test_a_stress_that_acts_from_the_start_is_reached_from_the_unloaded_film() -
     assert run.notes["divided_steps"] >= 1
     assert not run.warnings  # to take a jump in several steps is no cause for concern
     assert "failed after" in run.lines[0]
-    assert run.lines[0].startswith("t = -5 to 0 ms: ")
-    assert any("to 0 ms: " in line and "iterations, max |R|" in line for line in run.lines)
+    assert run.lines[0].startswith("from 0 to 100 % of what acts at t = 0 ms: ")
+    assert any("acts at t = 0 ms: " in line and "iterations, max |R|" in line for line in run.lines)
 
 
 def test_equilibria_of_a_stopped_run_go_on_to_the_same_bits() -> None:
@@ -226,6 +226,16 @@ def test_a_step_taken_in_parts_is_told_and_counted() -> None:
     assert run.notes["halved_steps"] >= 1
     assert "time step 5 (to t = 25 ms) converged only in parts of" in run.warnings[0]
     assert run.steps[-1] == (8, 8)
+
+
+def test_every_interval_of_a_motion_is_told() -> None:
+    run, fine = MemoryRun(), MemoryRun()
+    mechanics.compute(config(), SURFACE, films.two_layers(), samples(), run=run)
+    assert [line.split(":")[0] for line in run.lines] == [f"to t = {5 * i} ms" for i in range(1, 9)]
+    assert re.search(r": \d iterations, local error \d", run.lines[0])
+    adaptive = config(step_control="adaptive", error_tolerance=1e-6)
+    mechanics.compute(adaptive, SURFACE, films.two_layers(), samples(), run=fine)
+    assert re.search(r": \d+ steps, the shortest [\d.]+ ms, \d+ iterations", fine.lines[-1])
 
 
 def test_a_step_without_solution_is_told_in_full_and_what_was_computed_is_kept(

@@ -38,6 +38,15 @@ class Arrival:
     iterations: int
     halvings: int
 
+    def __str__(self) -> str:
+        """How it was reached, on one line."""
+        tally = self.travel.tally
+        steps = f"{tally.steps} steps, the shortest {tally.shortest:.3g} ms, "
+        return (
+            f"{steps if tally.steps > 1 else ''}{self.iterations} iterations, "
+            f"local error {tally.error:.1e}"
+        )
+
 
 @dataclass(frozen=True)
 class TimeLoop:

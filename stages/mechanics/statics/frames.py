@@ -95,7 +95,7 @@ class ByLoad:
             self.log = LoadingLog.restored(saved)
 
         def listen(attempt: Attempt) -> None:
-            tell(f"t = {attempt.start:.6g} to {attempt.end:.6g} ms: {attempt}")
+            tell(f"{_span(attempt.start, attempt.end, interval)}: {attempt}")
 
         shapes = self.statics.run(self.imposed, rest, first, self.last, listen)
         for number, shape in enumerate(shapes, start=first):
@@ -113,3 +113,19 @@ class ByLoad:
             yield Frame(
                 balance, 1.0, rest.work, shape.iterations, shape.smallest_step, state, warnings
             )
+
+
+def _span(start: float, end: float, interval: float) -> str:
+    """A load step in words; those before t = 0 lead from the unloaded film to what acts then.
+
+    Examples
+    --------
+    >>> _span(4.0, 8.0, 4.0)
+    't = 4 to 8 ms'
+    >>> _span(-2.0, 0.0, 4.0)
+    'from 50 to 100 % of what acts at t = 0 ms'
+    """
+    if start < 0.0:
+        first, last = (100.0 * (1.0 + time / interval) for time in (start, end))
+        return f"from {first:.4g} to {last:.4g} % of what acts at t = 0 ms"
+    return f"t = {start:.6g} to {end:.6g} ms"
