@@ -37,7 +37,10 @@ def write(experiment: Experiment, folder: Path) -> None:
             axes.plot(place, share, "o", color=PROBE_COLOURS[1], ms=8, label="this film")
             axes.legend(loc="upper right")
         else:
-            reason = "no closed form for this film\n(two layers, fibres along X, a stress > 0)"
+            reason = (
+                "no closed form for this film\n(two layers, clamped at X = 0 alone, no loads, "
+                "fibres along X, a stress > 0)"
+            )
             axes.text(0.5, 0.5, reason, ha="center", va="center", transform=axes.transAxes)
         label_axes(axes)
         axes.set_xlim(left=NARROWEST)
