@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from workflows.imposed_film import ImposedFilmConfig
     from workflows.theory.bilayer import Ply
 
+LEAST = 0.7
+"""Share below cylindrical bending (3/4 for a thin muscle) and what the clamp takes from it."""
+
 
 def modified_stoney(config: ImposedFilmConfig) -> float | None:
     """1/R = 6 (3 mu_a + E_p) ln(lambda_0)/(3 mu_s d_s) (d_a/d_s) (1 + d_a/d_s), 1/mm (eq. 102).
@@ -134,6 +137,11 @@ def bias_remarks(quantities: Mapping[str, Quantity]) -> Sequence[str]:
     true, curvature = quantities["active_stress"].value, quantities["curvature"].value
     if not (isinstance(share, float) and isinstance(read, float) and isinstance(true, float)):
         return ()
+    if share < LEAST:
+        return (
+            f"A narrow-strip (Stoney) formula returns {share:.0%} of this film's stress, less than any width "
+            "explains: look at the warnings of the run, and at its mesh.",
+        )
     return (
         f"From a curvature of {curvature:.3g} per mm, a narrow-strip (Stoney) formula reads an active "
         f"stress of {read:.3g} kPa. The muscle of this film pulls with {true:.3g} kPa: the formula "

@@ -37,6 +37,7 @@ def mechanics(
     from stages.mechanics.dynamics.resumption import packed, unpacked
     from stages.mechanics.dynamics.time_loop import Arrival
     from stages.mechanics.setup import build_loop, check_inputs
+    from stages.mechanics.shell.locking import locked
     from stages.numerics.step_control import Control
     from stages.numerics.time_series import FrameReader
 
@@ -85,7 +86,10 @@ def mechanics(
             }
         )
     run.note("halved_steps", halved)
-    return history.finish(time=np.arange(config.n_steps + 1) * config.step)
+    deformation = history.finish(time=np.arange(config.n_steps + 1) * config.step)
+    for warning in locked(body.shell, deformation.displacement):
+        run.warn(warning)
+    return deformation
 
 
 @stage
@@ -106,6 +110,7 @@ def equilibrium(
     import numpy as np
 
     from stages.mechanics.setup import build_controlled
+    from stages.mechanics.shell.locking import locked
 
     controlled = build_controlled(config, mid_surface.patch, laminate, stress)
     points = (controlled.body.shell.points,)
@@ -127,11 +132,14 @@ def equilibrium(
         run.checkpoint(lambda frame=frame: frame.state)  # type: ignore[misc]  # binds the loop
     log = controlled.log
     run.note("divided_steps", log.divided)
-    return history.finish(
+    shapes = history.finish(
         time=np.arange(history.frames_done) * config.step,
         limit_loads=np.array(log.limits),
         bifurcation_loads=np.array(log.bifurcations),
     )
+    for warning in locked(controlled.body.shell, shapes.displacement):
+        run.warn(warning)
+    return shapes
 
 
 @stage

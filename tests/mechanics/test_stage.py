@@ -118,7 +118,9 @@ def test_a_stress_that_acts_from_the_start_is_reached_from_the_unloaded_film() -
     assert np.abs(gap).max() < 1e-9
     assert np.asarray(found.load_step)[0] < 5.0
     assert run.notes["divided_steps"] >= 1
-    assert not run.warnings  # to take a jump in several steps is no cause for concern
+    # to take a jump in several steps is no cause for concern; that the mesh is coarse is another matter
+    assert all("mesh is too coarse" in warning for warning in run.warnings)
+    assert run.warnings
     assert "failed after" in run.lines[0]
     assert run.lines[0].startswith("from 0 to 100 % of what acts at t = 0 ms: ")
     assert any("acts at t = 0 ms: " in line and "iterations, max |R|" in line for line in run.lines)
