@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -162,12 +163,12 @@ def test_the_tangent_of_an_edge_moment_is_its_derivative(edge: Any) -> None:
     check_tangent(on(load, PATCHES["curved"]), PATCHES["curved"])
 
 
-@pytest.mark.parametrize("patch", PATCHES.values(), ids=PATCHES)
-@pytest.mark.parametrize("kind", LOADS)
-def test_the_tangent_of_a_load_is_its_derivative(kind: str, patch: Patch) -> None:
-    if kind == "point" and patch is PATCHES["rational"]:
-        pytest.skip("the point over (X, Y) does not lie on this film")
-    check_tangent(on(LOADS[kind], patch), patch)
+# the point over (X, Y) does not lie on the panel
+@pytest.mark.parametrize(
+    ("kind", "patch"), [at for at in product(LOADS, PATCHES) if at != ("point", "rational")]
+)
+def test_the_tangent_of_a_load_is_its_derivative(kind: str, patch: str) -> None:
+    check_tangent(on(LOADS[kind], PATCHES[patch]), PATCHES[patch])
 
 
 def check_tangent(force: Force, patch: Patch) -> None:

@@ -1,8 +1,8 @@
 """Membrane locking: quadratic elements that are too long for the curvature they are to follow.
 
 Along an element of length h that bends to a curvature k, quadratic splines cannot keep the mid-surface
-unstretched; the strain they are left with grows as h^2 k^2 and stiffens the film in proportion to
-(h^2 k/d)^2, d the thickness. Cubic splines are free of it at the lengths that films are divided into.
+unstretched. The thinner the film (thickness d), the more the strain that is left counts beside bending; the
+error follows h^2 k/d, see ``LARGEST``. Cubic splines lock far less.
 """
 
 from __future__ import annotations
