@@ -43,7 +43,7 @@ class GeneralStepper:
             potential = diffusion.values @ state.diffusion
             state.ionic_before[:] = state.ionic
             start = state.steps * step
-            problem.advance_cells(cells, potential, start, problem.clock, *problem.constants)
+            problem.reaction.advance(cells, potential, start, problem.clock, *problem.constants)
             state.steps += 1
 
 

@@ -4,7 +4,7 @@ One step from t_i to t_(i+1):
 
 1. the potential by CN for diffusion and AB2 for the ionic current (AB1 at the first step), eqs. 82-84
    with I_ion entering by -3/2 dt I_i + 1/2 dt I_(i-1);
-2. recovery variable and active stress at every collocation point by RK4, v linear over the step.
+2. states of the cells and active stress at every collocation point by RK4, v linear over the step.
 """
 
 from __future__ import annotations
@@ -62,14 +62,14 @@ def build(
 
 def rest(config: ElectrophysiologyConfig, stepper: Stepper, points: int) -> TissueState:
     """All cells alike at the initial potential, no active stress (initial conditions of Table 3)."""
-    recovery = config.cell_model.initial_recovery
+    states = config.cell_model.initial_states()
     potential = np.full(points, config.initial_potential)
     current = ionic_current_of(config.cell_model)(
-        config.initial_potential, recovery, config.cell_model.constants()
+        config.initial_potential, states, config.cell_model.constants()
     )
     return TissueState(
         potential=potential,
-        recovery=np.full(points, recovery),
+        states=np.repeat(np.reshape(states, (-1, 1)), points, axis=1),
         active_stress=np.zeros(points),
         ionic=np.full(points, current),
         ionic_before=np.full(points, current),

@@ -1,4 +1,4 @@
-"""Cells at the collocation points: recovery variable and active stress, by Runge-Kutta 4."""
+"""Cells at the collocation points: their states and active stress in time, by Runge-Kutta 4."""
 
 from __future__ import annotations
 
@@ -8,28 +8,25 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, cast
 
 from stages.electrophysiology.cell_models.base import CellModel
+from stages.electrophysiology.state_tuples import tuple_functions
 from stages.electrophysiology.tension_laws.base import TensionLaw
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel
 
 
 class Cells(NamedTuple):
-    """Arrays of shape ``(point,)`` that the compiled loops advance in place.
+    """Arrays over points that the compiled loops advance in place.
 
-    ``potential`` mV; ``recovery`` dimensionless; ``stress`` kPa; ``ionic`` I_ion/C_m at the newest
-    level, mV/ms; ``crossing`` time of an upward crossing of the threshold, ms, else left as it is.
+    ``potential`` mV; ``states`` of the cell model, shape ``(variable, point)``; ``stress`` kPa;
+    ``ionic`` I_ion/C_m at the newest level, mV/ms; ``crossing`` time of an upward crossing of the
+    threshold, ms, else left as it is.
     """
 
     potential: Array
-    recovery: Array
+    states: Array
     stress: Array
     ionic: Array
     crossing: Array
-
-
-def ionic_current_of(cell_model: CellModel) -> Callable[..., float]:
-    """The function ``ionic_current(v, w, constants)`` beside a cell model's class."""
-    return cast(Callable[..., float], sys.modules[type(cell_model).__module__].ionic_current)
 
 
 class Clock(NamedTuple):
@@ -39,58 +36,141 @@ class Clock(NamedTuple):
     threshold: float
 
 
-def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Callable[..., None]:
-    """Compiled advance of all cells over one time step; compiled once per pair of models.
+class Reaction(NamedTuple):
+    """Compiled loops over all cells for one pair of models; both change ``cells`` in place.
 
-    The returned kernel ``advance(cells, new_potential, start, clock, cell, tension)`` works in place:
-    it advances recovery and stress (eqs. 10, 11) from time ``start`` over one step with the potential
-    running linearly from ``cells.potential`` to ``new_potential`` (a frozen one would be first order
-    only), writes I_ion/C_m at the new time, notes crossings of the threshold, and takes over the new
-    potential. ``cell`` and ``tension`` are the constants of the two models.
+    Attributes
+    ----------
+    advance
+        ``advance(cells, new_potential, start, clock, cell, tension)``: states and stress (eqs. 10, 11)
+        from time ``start`` over one step with the potential running linearly from
+        ``cells.potential`` to ``new_potential`` (a frozen one would be first order only). Writes
+        I_ion/C_m at the new time, notes crossings of the threshold, takes over the new potential.
+    react
+        ``react(cells, applied, step, substeps, cell, tension)``: potential, states and stress together
+        over ``step`` ms in ``substeps`` equal parts, dv/dt = applied - I_ion/C_m without diffusion;
+        ``applied`` in mV/ms, shape ``(point,)``, constant over the step. ``cells.ionic`` and
+        ``cells.crossing`` stay as they are.
+
+    ``cell`` and ``tension`` are the constants of the two models.
     """
+
+    advance: Callable[..., None]
+    react: Callable[..., None]
+
+
+def ionic_current_of(cell_model: CellModel) -> Callable[..., float]:
+    """The function ``ionic_current(v, s, constants)`` beside a cell model's class."""
+    return cast(Callable[..., float], sys.modules[type(cell_model).__module__].ionic_current)
+
+
+def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Reaction:
+    """Compiled loops over cells; one :class:`Reaction` per pair of models, each compiled on first use."""
+    laws = sys.modules[type(tension_law).__module__]
     return _compile(
         ionic_current_of(cell_model),
-        sys.modules[type(cell_model).__module__].recovery_rate,
-        sys.modules[type(tension_law).__module__].tension_rate,
+        sys.modules[type(cell_model).__module__].state_rates,
+        len(cell_model.initial_states()),
+        laws.relaxation if tension_law.linear else laws.tension_rate,
+        tension_law.linear,
     )
 
 
 @functools.cache
 def _compile(
-    current: Callable[..., float], recovery: Callable[..., float], tensing: Callable[..., float]
-) -> Callable[..., None]:
-    ionic_current, recovery_rate = inlined(current), inlined(recovery)
-    tension_rate = inlined(tensing)
+    current: Callable[..., float],
+    rates: Callable[..., tuple[float, ...]],
+    variables: int,
+    law: Callable[..., Any],
+    linear: bool,
+) -> Reaction:
+    ionic_current, state_rates = inlined(current), inlined(rates)
+    load, store, moved, weighted = tuple_functions(variables)
+    prepared, stress_rate = _linear_stress(law) if linear else _any_stress(law)
 
     @kernel
     def advance(
         cells: Any, new_potential: Any, start: float, clock: Any, cell: Any, tension: Any
     ) -> None:
-        v_old, w, sigma, ionic, crossing = cells
+        v_old, states, stress, ionic, crossing = cells
         step, threshold = clock
         half = 0.5 * step
         for i in range(v_old.size):
             v0, v1 = v_old[i], new_potential[i]
             vm = 0.5 * (v0 + v1)
-            w0, s0 = w[i], sigma[i]
-            kw1 = recovery_rate(v0, w0, cell)
-            ks1 = tension_rate(v0, w0, s0, tension)
-            w1, s1 = w0 + half * kw1, s0 + half * ks1
-            kw2 = recovery_rate(vm, w1, cell)
-            ks2 = tension_rate(vm, w1, s1, tension)
-            w2, s2 = w0 + half * kw2, s0 + half * ks2
-            kw3 = recovery_rate(vm, w2, cell)
-            ks3 = tension_rate(vm, w2, s2, tension)
-            w3, s3 = w0 + step * kw3, s0 + step * ks3
-            kw4 = recovery_rate(v1, w3, cell)
-            ks4 = tension_rate(v1, w3, s3, tension)
-            w_end = w0 + step / 6.0 * (kw1 + 2.0 * (kw2 + kw3) + kw4)
-            w[i] = w_end
-            sigma[i] = s0 + step / 6.0 * (ks1 + 2.0 * (ks2 + ks3) + ks4)
-            ionic[i] = ionic_current(v1, w_end, cell)
+            c0, cm, c1 = prepared(v0, tension), prepared(vm, tension), prepared(v1, tension)
+            s0, y0 = load(states, i), stress[i]
+            ks1 = state_rates(v0, s0, cell)
+            ky1 = stress_rate(c0, y0, tension)
+            ks2 = state_rates(vm, moved(s0, half, ks1), cell)
+            ky2 = stress_rate(cm, y0 + half * ky1, tension)
+            ks3 = state_rates(vm, moved(s0, half, ks2), cell)
+            ky3 = stress_rate(cm, y0 + half * ky2, tension)
+            ks4 = state_rates(v1, moved(s0, step, ks3), cell)
+            ky4 = stress_rate(c1, y0 + step * ky3, tension)
+            s1 = weighted(s0, step, ks1, ks2, ks3, ks4)
+            store(states, i, s1)
+            stress[i] = y0 + step / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
+            ionic[i] = ionic_current(v1, s1, cell)
             before = crossing[i]
             time = start + step * (threshold - v0) / (v1 - v0)
             crossing[i] = time if (v0 < threshold) & (v1 >= threshold) else before
             v_old[i] = v1
 
-    return advance
+    @kernel
+    def react(
+        cells: Any, applied: Any, step: float, substeps: int, cell: Any, tension: Any
+    ) -> None:
+        potential, states, stress = cells.potential, cells.states, cells.stress
+        h = step / substeps
+        half = 0.5 * h
+        for _ in range(substeps):
+            for i in range(potential.size):
+                on = applied[i]
+                v0, s0, y0 = potential[i], load(states, i), stress[i]
+                kv1 = on - ionic_current(v0, s0, cell)
+                ks1 = state_rates(v0, s0, cell)
+                ky1 = stress_rate(prepared(v0, tension), y0, tension)
+                v, s = v0 + half * kv1, moved(s0, half, ks1)
+                kv2 = on - ionic_current(v, s, cell)
+                ks2 = state_rates(v, s, cell)
+                ky2 = stress_rate(prepared(v, tension), y0 + half * ky1, tension)
+                v, s = v0 + half * kv2, moved(s0, half, ks2)
+                kv3 = on - ionic_current(v, s, cell)
+                ks3 = state_rates(v, s, cell)
+                ky3 = stress_rate(prepared(v, tension), y0 + half * ky2, tension)
+                v, s = v0 + h * kv3, moved(s0, h, ks3)
+                kv4 = on - ionic_current(v, s, cell)
+                ks4 = state_rates(v, s, cell)
+                ky4 = stress_rate(prepared(v, tension), y0 + h * ky3, tension)
+                potential[i] = v0 + h / 6.0 * (kv1 + 2.0 * (kv2 + kv3) + kv4)
+                store(states, i, weighted(s0, h, ks1, ks2, ks3, ks4))
+                stress[i] = y0 + h / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
+
+    return Reaction(advance, react)
+
+
+Stress = tuple[Callable[..., Any], Callable[..., float]]
+"""What a potential means for the stress (evaluated once per potential), and the rate that follows."""
+
+
+def _linear_stress(law: Callable[..., Any]) -> Stress:
+    """Rate and target once per potential, as many stresses as are asked for."""
+    relaxation = inlined(law)
+
+    @inlined
+    def stress_rate(coefficients: Any, sigma: float, tension: Any) -> float:
+        rate, target = coefficients
+        return rate * (target - sigma)
+
+    return relaxation, stress_rate
+
+
+def _any_stress(law: Callable[..., Any]) -> Stress:
+    """The whole law at every stress."""
+
+    @inlined
+    def potential_itself(v: float, tension: Any) -> float:
+        return v
+
+    return potential_itself, inlined(law)

@@ -40,7 +40,7 @@ class SeparableStepper:
         first, second = diffusion.first, diffusion.second
         self.shape = (first.to_points.shape[0], second.to_points.shape[0])
         applied = problem.applied(inside).reshape(len(problem.sources), *self.shape)
-        self.block = compile_block(problem.advance_cells)
+        self.block = compile_block(problem.reaction.advance)
         self.system = System(
             *map(
                 np.ascontiguousarray,

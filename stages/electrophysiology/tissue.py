@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from stages.electrophysiology.reaction import Cells, Clock
+from stages.electrophysiology.reaction import Cells, Clock, Reaction
 from stages.electrophysiology.stimuli import Source
 from stages.numerics.bsplines import Array
 
@@ -30,13 +30,13 @@ class UnstableSolutionError(ArithmeticError):
 class TissueState:
     """State of all cells at one time level; arrays over collocation points, changed in place.
 
-    ``potential`` in mV, ``recovery`` dimensionless, ``active_stress`` in kPa, ``ionic`` and
-    ``ionic_before`` I_ion/C_m at this and the previous level in mV/ms, ``diffusion`` the solver's
-    own unknowns, ``steps`` the number of steps done.
+    ``potential`` in mV, ``states`` of the cell model with shape ``(variable, point)``, ``active_stress``
+    in kPa, ``ionic`` and ``ionic_before`` I_ion/C_m at this and the previous level in mV/ms,
+    ``diffusion`` the solver's own unknowns, ``steps`` the number of steps done.
     """
 
     potential: Array
-    recovery: Array
+    states: Array
     active_stress: Array
     ionic: Array
     ionic_before: Array
@@ -45,7 +45,7 @@ class TissueState:
 
     def cells(self, crossing: Array) -> Cells:
         """The cells' arrays as the compiled loops take them."""
-        return Cells(self.potential, self.recovery, self.active_stress, self.ionic, crossing)
+        return Cells(self.potential, self.states, self.active_stress, self.ionic, crossing)
 
     def arrays(self) -> dict[str, Any]:
         """Everything that a continuation needs."""
@@ -66,8 +66,8 @@ class TissueState:
             With the time at which it was noticed.
         """
         largest = np.finfo(np.float32).max  # frames are stored in single precision
-        states = (self.potential, self.recovery, self.active_stress)
-        if not all((np.abs(values) <= largest).all() for values in states):
+        everything = (self.potential, self.states, self.active_stress)
+        if not all((np.abs(values) <= largest).all() for values in everything):
             raise UnstableSolutionError(self.steps, self.steps * step)
 
 
@@ -75,15 +75,15 @@ class TissueState:
 class Problem:
     """Data of the time loop.
 
-    Time step and threshold; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled advance of the cells
-    (:func:`compile_reaction`) with the constants of the cell model and of the tension law.
+    Time step and threshold; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled loops over cells
+    with the constants of the cell model and of the tension law.
     """
 
     clock: Clock
     capacitance: float
     conductivity: float
     sources: tuple[Source, ...]
-    advance_cells: Callable[..., None]
+    reaction: Reaction
     constants: tuple[NamedTuple, NamedTuple]
 
     def amplitudes(self, first: int, steps: int) -> Array:

@@ -28,11 +28,11 @@ class Constants(NamedTuple):
 class Leak(CellModel):
     name: Literal["leak"] = "leak"
     tau: float = quantity("ms", "time constant", "test", gt=0)
-    initial_recovery: float = quantity("", "unused", "test", default=0.0)
     def constants(self): return Constants(self.tau)
+    def initial_states(self): return ()
 
-def ionic_current(v, w, p): return (v + 80.0) / p.tau
-def recovery_rate(v, w, p): return 0.0 * w
+def ionic_current(v, s, p): return (v + 80.0) / p.tau
+def state_rates(v, s, p): return ()
 MODEL = Leak
 '''
 
@@ -49,7 +49,7 @@ class Follower(TensionLaw):
     rate: float = quantity("1/ms", "rate", "test", gt=0)
     def constants(self): return Constants(self.rate)
 
-def tension_rate(v, w, sigma, p): return p.rate * (0.1 * (v + 80.0) - sigma)
+def tension_rate(v, sigma, p): return p.rate * (0.1 * (v + 80.0) - sigma)
 MODEL = Follower
 '''
 
@@ -99,7 +99,7 @@ FAULTY = 'Literal["faulty"] = "faulty"'
     ("left_out", "message"),
     [
         ("MODEL = Leak", "must set MODEL to its subclass of CellModel"),
-        ("def recovery_rate(v, w, p): return 0.0 * w", "must define the function recovery_rate"),
+        ("def state_rates(v, s, p): return ()", "must define the function state_rates"),
         ('name: Literal["leak"] = "leak"', 'must declare name: Literal["faulty"]'),
     ],
 )

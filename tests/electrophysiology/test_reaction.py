@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -12,57 +14,84 @@ from stages.numerics.bsplines import Array
 from tests.paper import CELL, TENSION
 
 CONSTANTS = (CELL.constants(), TENSION.constants())
-ADVANCE = compile_reaction(CELL, TENSION)
+ADVANCE, REACT = compile_reaction(CELL, TENSION)
 
 
 def random_cells(count: int, seed: int = 0) -> Cells:
     random = np.random.default_rng(seed)
     return Cells(
         potential=random.uniform(-85.0, 25.0, count),
-        recovery=random.uniform(0.0, 2.5, count),
+        states=random.uniform(0.0, 2.5, (1, count)),
         stress=random.uniform(0.0, 12.0, count),
         ionic=np.zeros(count),
         crossing=np.full(count, np.nan),
     )
 
 
-def twin(cells: Cells, new: Array, step: float) -> tuple[Array, Array]:
-    """Runge-Kutta 4 in NumPy, v linear over the step, one cell after the other."""
+def rates(v: float, w: float, sigma: float) -> Array:
+    """dv/dt, dw/dt and d(sigma)/dt of one cell, from the models' plain functions."""
     cell, tension = CONSTANTS
-    w_end, s_end = np.empty_like(new), np.empty_like(new)
-    for i, (v0, v1) in enumerate(zip(cells.potential, new, strict=True)):
-
-        def rates(y: Array, fraction: float, v0: float = v0, v1: float = v1) -> Array:
-            v = v0 + fraction * (v1 - v0)
-            return np.array(
-                [
-                    aliev_panfilov.recovery_rate(v, y[0], cell),
-                    goektepe_kuhl.tension_rate(v, y[0], y[1], tension),
-                ]
-            )
-
-        y = np.array([cells.recovery[i], cells.stress[i]])
-        k1 = rates(y, 0.0)
-        k2 = rates(y + 0.5 * step * k1, 0.5)
-        k3 = rates(y + 0.5 * step * k2, 0.5)
-        k4 = rates(y + step * k3, 1.0)
-        w_end[i], s_end[i] = y + step / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return w_end, s_end
+    rate, target = goektepe_kuhl.relaxation(v, tension)
+    (recovery,) = aliev_panfilov.state_rates(v, (w,), cell)
+    return np.array(
+        [-aliev_panfilov.ionic_current(v, (w,), cell), recovery, rate * (target - sigma)]
+    )
 
 
-def test_the_compiled_kernel_equals_its_plain_twin() -> None:
-    cells = random_cells(257)
+def runge_kutta(y: Array, step: float, slope: Callable[[Array, float], Array]) -> Array:
+    """One step; ``slope(y, fraction of the step)``."""
+    k1 = slope(y, 0.0)
+    k2 = slope(y + 0.5 * step * k1, 0.5)
+    k3 = slope(y + 0.5 * step * k2, 0.5)
+    k4 = slope(y + step * k3, 1.0)
+    return y + step / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def test_advance_equals_its_plain_twin() -> None:
+    cells, step = random_cells(257), 0.02
     new = cells.potential + np.random.default_rng(1).normal(0, 0.5, 257)
-    w, s = twin(cells, new, 0.02)
-    ADVANCE(cells, new, 0.0, Clock(0.02, -30.0), *CONSTANTS)
+    ends = []
+    for v0, v1, w, s in zip(cells.potential, new, cells.states[0], cells.stress, strict=True):
+
+        def slope(y: Array, fraction: float, v0: float = v0, v1: float = v1) -> Array:
+            return rates(v0 + fraction * (v1 - v0), *y)[1:]
+
+        ends.append(runge_kutta(np.array([w, s]), step, slope))
+    w_end, s_end = np.transpose(ends)
+    ADVANCE(cells, new, 0.0, Clock(step, -30.0), *CONSTANTS)
     # the same operations up to fused multiply-add and the fast exponential: a few 1e-16 relative
-    np.testing.assert_allclose(cells.recovery, w, rtol=1e-14)
-    np.testing.assert_allclose(cells.stress, s, rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(cells.states[0], w_end, rtol=1e-14)
+    np.testing.assert_allclose(cells.stress, s_end, rtol=1e-14, atol=1e-14)
     ionic = [
-        aliev_panfilov.ionic_current(v, wi, CONSTANTS[0]) for v, wi in zip(new, w, strict=True)
+        aliev_panfilov.ionic_current(v, (w,), CONSTANTS[0]) for v, w in zip(new, w_end, strict=True)
     ]
     np.testing.assert_allclose(cells.ionic, ionic, rtol=1e-11, atol=1e-13)
     np.testing.assert_array_equal(cells.potential, new)
+
+
+def test_react_equals_its_plain_twin() -> None:
+    cells, step, substeps = random_cells(257), 0.3, 3
+    applied = np.random.default_rng(2).normal(0, 5.0, 257)
+    ends = []
+    for y, on in zip(
+        np.transpose([cells.potential, cells.states[0], cells.stress]), applied, strict=True
+    ):
+
+        def slope(y: Array, fraction: float, on: float = on) -> Array:
+            return rates(*y) + np.array([on, 0.0, 0.0])
+
+        for _ in range(substeps):
+            y = runge_kutta(y, step / substeps, slope)
+        ends.append(y)
+    before = [np.copy(values) for values in (cells.ionic, cells.crossing)]
+    REACT(cells, applied, step, substeps, *CONSTANTS)
+    # round-off as above; the double exponential of the switch enlarges that of v by some tens
+    for values, plain in zip(
+        (cells.potential, cells.states[0], cells.stress), np.transpose(ends), strict=True
+    ):
+        np.testing.assert_allclose(values, plain, rtol=1e-12, atol=1e-13)
+    np.testing.assert_array_equal(cells.ionic, before[0])
+    np.testing.assert_array_equal(cells.crossing, before[1])
 
 
 def advance_over(ramp: tuple[float, float], duration: float, steps: int) -> Cells:
@@ -77,24 +106,19 @@ def advance_over(ramp: tuple[float, float], duration: float, steps: int) -> Cell
 
 def test_recovery_and_stress_agree_with_an_independent_integrator() -> None:
     ramp, duration = (-40.0, 15.0), 20.0
-    cell, tension = CONSTANTS
     start = random_cells(1, seed=4)
 
-    def rates(t: float, y: Array) -> list[float]:
-        v = ramp[0] + (ramp[1] - ramp[0]) * t / duration
-        return [
-            aliev_panfilov.recovery_rate(v, y[0], cell),
-            goektepe_kuhl.tension_rate(v, y[0], y[1], tension),
-        ]
+    def slope(t: float, y: Array) -> Array:
+        return rates(ramp[0] + (ramp[1] - ramp[0]) * t / duration, *y)[1:]
 
     exact = solve_ivp(
-        rates, (0, duration), [start.recovery[0], start.stress[0]], rtol=1e-12, atol=1e-13
+        slope, (0, duration), [start.states[0, 0], start.stress[0]], rtol=1e-12, atol=1e-13
     ).y[:, -1]
     errors = []
     for steps in (100, 200, 400):
         cells = advance_over(ramp, duration, steps)
         errors.append(abs(cells.stress[0] - exact[1]))
-        assert abs(cells.recovery[0] - exact[0]) < 1e-8
+        assert abs(cells.states[0, 0] - exact[0]) < 1e-8
     # fourth order: each halving divides by about 16
     assert errors[0] / errors[1] > 12
     assert errors[1] / errors[2] > 12
@@ -111,7 +135,9 @@ def test_a_crossing_is_interpolated_inside_the_step() -> None:
 
 def test_rest_is_a_fixed_point() -> None:
     cells = random_cells(5)
-    cells.potential[:], cells.recovery[:], cells.stress[:] = -80.0, 0.0, 0.0
+    cells.potential[:], cells.states[:], cells.stress[:] = -80.0, 0.0, 0.0
     ADVANCE(cells, np.full(5, -80.0), 0.0, Clock(1.0, -30.0), *CONSTANTS)
-    for values in (cells.recovery, cells.stress, cells.ionic):
+    for values in (cells.states, cells.stress, cells.ionic):
         np.testing.assert_array_equal(values, 0.0)
+    REACT(cells, np.zeros(5), 1.0, 2, *CONSTANTS)
+    np.testing.assert_array_equal(cells.potential, -80.0)

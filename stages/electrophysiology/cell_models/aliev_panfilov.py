@@ -56,26 +56,32 @@ class AlievPanfilov(CellModel):
             self.time_scale,
         )
 
+    def initial_states(self) -> tuple[float]:
+        """The recovery variable w."""
+        return (self.initial_recovery,)
 
-def ionic_current(v: float, w: float, p: Constants) -> float:
+
+def ionic_current(v: float, s: tuple[float], p: Constants) -> float:
     """I_ion / C_m = r_v/r_t (k_v v* (v* - a)(v* - 1) + v* w), mV/ms (eqs. 99-100).
 
     Examples
     --------
     >>> p = Constants(8.0, 0.15, 0.15, 0.2, 0.3, 0.002, 100.0, -80.0, 12.9)
-    >>> ionic_current(-80.0, 0.0, p)  # rest
+    >>> ionic_current(-80.0, (0.0,), p)  # rest
     0.0
-    >>> round(ionic_current(-30.0, 0.0, p) * 12.9 / 100.0, 12)  # 8 * 0.5 * 0.35 * -0.5
+    >>> round(ionic_current(-30.0, (0.0,), p) * 12.9 / 100.0, 12)  # 8 * 0.5 * 0.35 * -0.5
     -0.7
     """
+    (w,) = s
     x = (v - p.s_v) / p.r_v
     return (p.k_v * x * (x - p.a) * (x - 1.0) + x * w) * (p.r_v / p.r_t)
 
 
-def recovery_rate(v: float, w: float, p: Constants) -> float:
+def state_rates(v: float, s: tuple[float], p: Constants) -> tuple[float]:
     """dw/dt = (e_0 + mu_1 w/(mu_2 + v*)) (-w - k_v v* (v* - b - 1)) / r_t, 1/ms (eq. 100)."""
+    (w,) = s
     x = (v - p.s_v) / p.r_v
-    return (p.e_0 + p.mu_1 * w / (p.mu_2 + x)) * (-w - p.k_v * x * (x - p.b - 1.0)) / p.r_t
+    return ((p.e_0 + p.mu_1 * w / (p.mu_2 + x)) * (-w - p.k_v * x * (x - p.b - 1.0)) / p.r_t,)
 
 
 MODEL = AlievPanfilov

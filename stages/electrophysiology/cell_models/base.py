@@ -10,24 +10,28 @@ from stages.configuration import Section
 class CellModel(Section):
     """Parameters of a cell model; its equations are plain functions beside the class.
 
-    A cell model file holds a subclass of this that also declares where ``initial_recovery`` comes
-    from, names it in ``MODEL``, and defines at module level
+    A cell model file holds a subclass of this with the methods below, names it in ``MODEL``, and
+    defines at module level
 
-    - ``ionic_current(v, w, p) -> float``: I_ion / C_m in mV/ms, outward positive (enters dv/dt with
+    - ``ionic_current(v, s, p) -> float``: I_ion / C_m in mV/ms, outward positive (enters dv/dt with
       a minus sign);
-    - ``recovery_rate(v, w, p) -> float``: dw/dt in 1/ms;
+    - ``state_rates(v, s, p) -> tuple[float, ...]``: ds/dt in 1/ms, as many as there are states;
 
-    where ``v`` is the potential in mV, ``w`` the recovery variable and ``p`` the named tuple that
-    ``constants()`` returns. They are scalar Python; the solver compiles them. Use
-    ``stages.numerics.elementary.exp`` for exponentials.
+    where ``v`` is the potential in mV in every model, ``s`` the tuple of the other variables and ``p``
+    the named tuple that ``constants()`` returns. They are scalar Python; the solver compiles them into
+    the loop over cells. Use ``stages.numerics.elementary.exp`` for exponentials, and ``a if c else b``
+    rather than ``if`` blocks: then the loop becomes SIMD code.
     """
 
-    functions: ClassVar[tuple[str, ...]] = ("ionic_current", "recovery_rate")
+    functions: ClassVar[tuple[str, ...]] = ("ionic_current", "state_rates")
     """What the module must define beside the class."""
 
     name: str
-    initial_recovery: float
 
     def constants(self) -> NamedTuple:
         """Parameters as the equations read them."""
         raise TypeError(f"{type(self).__name__} does not say its constants")
+
+    def initial_states(self) -> tuple[float, ...]:
+        """The variables ``s`` of a cell at rest."""
+        raise TypeError(f"{type(self).__name__} does not say its states at rest")

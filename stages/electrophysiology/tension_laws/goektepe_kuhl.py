@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from stages.configuration import quantity
-from stages.electrophysiology.tension_laws.base import TensionLaw
+from stages.electrophysiology.tension_laws.base import LinearTensionLaw
 from stages.numerics.elementary import exp
 
 
@@ -20,7 +20,7 @@ class Constants(NamedTuple):
     v_bar: float
 
 
-class GoektepeKuhl(TensionLaw):
+class GoektepeKuhl(LinearTensionLaw):
     """Parameters of eqs. 97-98.
 
     Table 3 gives zeta_0 and zeta_inf in 1/mV; eq. 97 is in dimensional time, so they are rates, per ms.
@@ -39,21 +39,22 @@ class GoektepeKuhl(TensionLaw):
         return Constants(self.k_sigma, self.v_r, self.zeta_0, self.zeta_inf, self.xi, self.v_bar)
 
 
-def tension_rate(v: float, w: float, sigma: float, p: Constants) -> float:
-    """zeta(v) (k_sigma (v - v_r) - sigma), kPa/ms (eqs. 97-98).
+def relaxation(v: float, p: Constants) -> tuple[float, float]:
+    """Rate zeta(v) in 1/ms, and the target k_sigma (v - v_r) in kPa (eqs. 97-98).
 
     zeta = zeta_0 + (zeta_inf - zeta_0) exp(-exp(-xi (v - v_bar))).
 
     Examples
     --------
     >>> p = Constants(0.122, -80.0, 0.1, 1.0, 1.0, 0.0)
-    >>> round(tension_rate(20.0, 0.0, 0.0, p), 6)  # zeta is 1 to 2e-9: 0.122 * 100
-    12.2
-    >>> tension_rate(-80.0, 0.0, 5.0, p)  # relaxes at rate zeta_0
-    -0.5
+    >>> rate, target = relaxation(20.0, p)
+    >>> round(rate, 6), round(target, 6)  # zeta is 1 to 2e-9
+    (1.0, 12.2)
+    >>> relaxation(-80.0, p)  # at rest: towards no stress at rate zeta_0
+    (0.1, 0.0)
     """
     zeta = p.zeta_0 + (p.zeta_inf - p.zeta_0) * exp(-exp(-p.xi * (v - p.v_bar)))
-    return zeta * (p.k_sigma * (v - p.v_r) - sigma)
+    return zeta, p.k_sigma * (v - p.v_r)
 
 
 MODEL = GoektepeKuhl
