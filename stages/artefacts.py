@@ -87,9 +87,12 @@ class ShellGeometry:
 class ActivationHistory:
     """Potential and active stress at the collocation points over time (eqs. 10, 11, 85).
 
-    Collocation points are numbered as the control points of the excitable surface. An activation time
-    is the upward crossing of the activation threshold, interpolated between time steps; rows are
-    filled up with NaN.
+    Collocation points are numbered as the control points of the excitable surface. Maps have a row per
+    point and a column per beat of that point, filled up with NaN. A beat begins with an upward
+    crossing of the activation threshold. Repolarisation is the first fall, after the beat's peak, to
+    the level at 90 % of the way from that peak to rest; ``apd90`` and ``apd50`` are the times from
+    activation to 90 and 50 %, NaN where the next beat or the end of the run came first.
+    ``conduction_velocity`` is that of the front, NaN where none is defined.
     """
 
     stored_as: ClassVar[str] = "zarr"
@@ -98,6 +101,11 @@ class ActivationHistory:
     potential: Array = array("mV", "time", "point", stored="float32")
     active_stress: Array = array("kPa", "time", "point", stored="float32")
     activation_times: Array = array("ms", "point", "beat")
+    repolarisation_times: Array = array("ms", "point", "beat")
+    apd50: Array = array("ms", "point", "beat")
+    apd90: Array = array("ms", "point", "beat")
+    peak_potential: Array = array("mV", "point", "beat")
+    conduction_velocity: Array = array("mm/ms", "point", "beat", "xyz")
 
 
 @dataclass(frozen=True)
@@ -234,10 +242,32 @@ class StudyTable:
 
 
 @dataclass(frozen=True)
+class TipPaths:
+    """Tips of spiral waves, followed through the frames: a row per tip and frame, path by path.
+
+    ``number`` counts the paths from 1, ``chirality`` is 1 for a wave that turns counter-clockwise
+    (seen against **a**3) and -1 for one that turns clockwise, ``heading`` the direction of the
+    potential's gradient at the tip, in degrees from the first tangent towards the second; along a path
+    it is unwrapped, so that one turn of the wave adds 360 or takes away as much.
+    """
+
+    time: Array = array("ms", "row")
+    number: Array = array("1", "row")
+    position: Array = array("mm", "row", "xyz")
+    chirality: Array = array("1", "row")
+    heading: Array = array("degree", "row")
+
+
+@dataclass(frozen=True)
 class Measures:
-    """What an experimenter would read off the film: tables over time and over probes."""
+    """What an experimenter would read off the film: tables over time and over probes.
+
+    Beats of a probe are interpolated between the collocation points around it; see
+    :class:`ActivationHistory` for what is measured. ``tips`` has no rows where none were looked for.
+    """
 
     probe_names: tuple[str, ...]
+    tips: TipPaths
     time: Array = array("ms", "time")
     probe_points: Array = array("mm", "probe", "xyz")
     displacement: Array = array("mm", "time", "probe", "xyz")
@@ -246,5 +276,9 @@ class Measures:
     projected_length: Array = array("mm", "time")
     curvature: Array = array("1/mm", "time")
     activation_times: Array = array("ms", "probe", "beat")
+    repolarisation_times: Array = array("ms", "probe", "beat")
+    apd50: Array = array("ms", "probe", "beat")
+    apd90: Array = array("ms", "probe", "beat")
+    peak_potential: Array = array("mV", "probe", "beat")
     peak_active_stress: Array = array("kPa", "probe", "beat")
     conduction_velocity: Array = array("mm/ms", "beat")

@@ -41,7 +41,14 @@ def electrophysiology(
         run.progress(frame, frames - 1)
         run.checkpoint(lambda: {**state.arrays(), **crossings.arrays()})
     run.note("diffusion_solver", type(stepper).__name__)
+    times = crossings.table()
+    unknown = np.full_like(times, np.nan)
     return history.finish(
         time=np.array(ends) * config.step,
-        activation_times=crossings.table(),
+        activation_times=times,
+        repolarisation_times=unknown,
+        apd50=unknown,
+        apd90=unknown,
+        peak_potential=unknown,
+        conduction_velocity=np.full((*times.shape, 3), np.nan),
     )

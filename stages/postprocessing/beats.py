@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
+from stages.numerics.waves import matching, taken
 
 ROUGHNESS = 5.0
 """A front takes at most this many times its median step time between neighbouring points."""
 
 
 def arrival_times(surface: Patch, activation_times: Array, theta: Array) -> Array:
-    """Activation times at parameters ``theta``, beat by beat.
+    """Activation times at parameters ``theta``, beat by beat, shape ``(probes, beats)``, ms.
+
+    See :func:`beats_at`.
+    """
+    return beats_at(surface, activation_times, theta, {"time": activation_times})["time"]
+
+
+def beats_at(
+    surface: Patch, activation_times: Array, theta: Array, maps: Mapping[str, Array]
+) -> dict[str, Array]:
+    """What maps over points and beats say at parameters ``theta``.
 
     Linear between the up to four collocation points around ``theta``, whose events are matched in
     time: where one point has missed a wave, column k of two neighbours may belong to different waves.
@@ -26,27 +39,30 @@ def arrival_times(surface: Patch, activation_times: Array, theta: Array) -> Arra
         At the collocation points, shape ``(points, beats)``, NaN where a point did not fire, ms.
     theta
         Shape ``(probes, 2)``.
+    maps
+        Fields by name, each of shape ``(points, beats)``.
 
     Returns
     -------
-    Array
-        Shape ``(probes, beats)``, ms.
+    dict
+        The same names, each of shape ``(probes, beats)``.
     """
-    grid = activation_times.reshape(surface.first.size, surface.second.size, -1)
+    shape = (surface.first.size, surface.second.size, activation_times.shape[1])
+    grids = {name: values.reshape(shape) for name, values in maps.items()}
+    times = activation_times.reshape(shape)
     rows, row_weights = _neighbours(surface.first, theta[:, 0])
     columns, column_weights = _neighbours(surface.second, theta[:, 1])
-    arrivals = np.full((len(theta), grid.shape[2]), np.nan)
+    found = {name: np.full((len(theta), shape[2]), np.nan) for name in maps}
     for probe in range(len(theta)):
         weights = np.outer(row_weights[:, probe], column_weights[:, probe]).ravel()
-        corners = grid[np.ix_(rows[:, probe], columns[:, probe])].reshape(4, -1)
-        heaviest = corners[np.argmax(weights)]
-        matched = [
-            weight * _same_waves(heaviest, corner)
-            for weight, corner in zip(weights, corners, strict=True)
-            if weight > 0.0
-        ]
-        arrivals[probe] = np.sum(matched, axis=0)
-    return arrivals
+        around = np.ix_(rows[:, probe], columns[:, probe])
+        corners = times[around].reshape(4, -1)
+        waves = matching(corners[[np.argmax(weights)]], corners)
+        used = weights > 0.0
+        for name, grid in grids.items():
+            values = taken(grid[around].reshape(4, -1), waves)
+            found[name][probe] = weights[used] @ values[used]
+    return found
 
 
 def conduction_velocity(arrivals: Array, distance: float) -> Array:
@@ -72,7 +88,7 @@ def conduction_velocity(arrivals: Array, distance: float) -> Array:
     """
     front = [arrivals[0]]
     for events in arrivals[1:]:
-        front.append(_same_waves(front[-1], events))
+        front.append(taken(events, matching(front[-1], events)))
     steps = np.diff(np.array(front), axis=0)
     smooth = np.abs(steps).max(axis=0) <= ROUGHNESS * np.median(np.abs(steps), axis=0)
     one_way = (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
@@ -109,17 +125,6 @@ def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
             if inside.any():
                 peaks[probe, beat] = stress[inside, probe].max()
     return peaks
-
-
-def _same_waves(events: Array, others: Array) -> Array:
-    """For each event the one of ``others`` that is nearest in time, if it is so the other way too."""
-    apart = np.abs(events[:, None] - others[None, :])
-    apart = np.where(np.isnan(apart), np.inf, apart)
-    if not apart.size:
-        return np.full(events.shape, np.nan)
-    nearest, back = np.argmin(apart, axis=1), np.argmin(apart, axis=0)
-    mutual = back[nearest] == np.arange(events.size)
-    return np.where(mutual & np.isfinite(events), others[nearest], np.nan)
 
 
 def _neighbours(space: SplineSpace, at: Array) -> tuple[Array, Array]:

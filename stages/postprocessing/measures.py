@@ -14,7 +14,7 @@ from stages.artefacts import (
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.postprocessing.axis import follow_axis
-from stages.postprocessing.beats import arrival_times, beat_peaks, conduction_velocity
+from stages.postprocessing.beats import arrival_times, beat_peaks, beats_at, conduction_velocity
 from stages.postprocessing.config import PostprocessingConfig
 from stages.postprocessing.probes import (
     axis_parameter,
@@ -25,6 +25,16 @@ from stages.postprocessing.probes import (
     resample,
     series,
 )
+from stages.postprocessing.tips import no_tips
+
+BEAT_MAPS = (
+    "activation_times",
+    "repolarisation_times",
+    "apd50",
+    "apd90",
+    "peak_potential",
+)
+"""What is measured of every beat at every point, and interpolated to the probes."""
 
 
 def take_measures(
@@ -48,7 +58,9 @@ def take_measures(
     stress = series(history.active_stress, at_cells)
     potential = series(history.potential, at_cells)
     events = np.asarray(history.activation_times, dtype=float)
-    arrivals = arrival_times(cells, events, theta)
+    maps = {name: np.asarray(getattr(history, name), dtype=float) for name in BEAT_MAPS}
+    beats = beats_at(cells, events, theta, maps)
+    arrivals = beats["activation_times"]
 
     height = film.evaluate_points(np.array([(0.0, theta2)]))[0, 1]
     gates = probe_parameters(film, np.array([(x, height) for x in config.velocity_window]))
@@ -66,9 +78,10 @@ def take_measures(
         potential=resample(potential, cell_time, time),
         projected_length=axis.projected_length,
         curvature=axis.curvature,
-        activation_times=arrivals,
+        **beats,
         peak_active_stress=beat_peaks(stress, cell_time, arrivals),
         conduction_velocity=conduction_velocity(passing, distance),
+        tips=no_tips(),
     )
 
 

@@ -13,6 +13,7 @@ from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface
 from stages.numerics.patches import Patch
 from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.time_series import TimesNotCoveredError
+from tests.histories import history_with
 
 FILM = Patch.rectangle(3.5, 2.0)
 SURFACE = FILM.refine(2, (20, 12))
@@ -24,7 +25,7 @@ def points_of(patch: Patch) -> np.ndarray:
 
 
 def history_of(times: np.ndarray, frames: np.ndarray) -> ActivationHistory:
-    return ActivationHistory(times, frames, frames, np.full((frames.shape[1], 0), np.nan))
+    return history_with(times, frames, frames, np.full((frames.shape[1], 0), np.nan))
 
 
 def test_a_quadratic_field_is_transferred_exactly() -> None:

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from stages.numerics.patches import Patch
-from stages.postprocessing.beats import arrival_times, beat_peaks, conduction_velocity
+from stages.postprocessing.beats import (
+    arrival_times,
+    beat_peaks,
+    beats_at,
+    conduction_velocity,
+)
 
 SURFACE = Patch.rectangle(3.5, 2.0).refine(2, (14, 8))
 PLACES = SURFACE.evaluate(*(space.greville() for space in SURFACE.spaces))
@@ -46,6 +51,21 @@ def test_a_wave_that_a_neighbour_missed_is_not_mixed_with_the_next_one() -> None
     speeds = conduction_velocity(arrival_times(SURFACE, times, path), 2.1)
     np.testing.assert_allclose(speeds[[0, 2]], 0.02, rtol=1e-12)
     assert np.isnan(speeds[1])
+
+
+def test_maps_of_beats_are_interpolated_within_one_wave() -> None:
+    """The second of three waves is blocked at 1.2 mm: there, the third is the points' second beat."""
+    x, ends = PLACES[:, 0], np.array([300.0, 250.0, 280.0])
+    waves = np.array([0.0, 430.0, 900.0]) + x[:, None] / 0.02
+    lasting = ends + 10.0 * x[:, None]
+    waves[x > 1.2, 1] = np.nan
+    order = np.argsort(waves, axis=1)  # NaN last
+    times, apd = (np.take_along_axis(field, order, axis=1) for field in (waves, lasting))
+    apd[np.isnan(times)] = np.nan
+    found = beats_at(SURFACE, times, THETA, {"apd90": apd})["apd90"]
+    # linear in X, as the interpolation is
+    np.testing.assert_allclose(found[0], ends + 10.0 * X[0], rtol=1e-13)
+    np.testing.assert_allclose(found[1], [*(ends[[0, 2]] + 10.0 * X[1]), np.nan], rtol=1e-13)
 
 
 def test_points_that_did_not_fire_spoil_only_their_neighbourhood() -> None:

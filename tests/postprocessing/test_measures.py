@@ -16,6 +16,7 @@ from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.postprocessing.config import PostprocessingConfig
 from stages.postprocessing.measures import take_measures
+from tests.histories import history_with
 
 SPEED = 0.0175  # mm/ms
 LENGTH, WIDTH = 3.5, 2.0
@@ -38,7 +39,7 @@ def travelling_wave() -> ActivationHistory:
         return np.exp(-(((age - 40.0) / 15.0) ** 2))  # 40 ms after the arrival
 
     first, second = (bell(time[:, None] - arrivals[None, :, beat]) for beat in range(2))
-    return ActivationHistory(
+    return history_with(
         time=time,
         potential=-80.0 + 100.0 * first,
         active_stress=12.0 * first + 10.0 * second,

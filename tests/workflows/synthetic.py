@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from stages.artefacts import (
-    ActivationHistory,
     Deformation,
     ExcitableSurface,
     FilmGeometry,
@@ -20,6 +19,7 @@ from stages.mechanics.supports.clamped import Clamped
 from stages.numerics.patches import Patch
 from stages.postprocessing.config import PostprocessingConfig
 from stages.postprocessing.measures import take_measures
+from tests.histories import history_with
 from workflows.experiment import Experiment
 
 PROBES = PostprocessingConfig(
@@ -55,7 +55,7 @@ def synthetic_experiment(
         up = 0.5 * (1 + np.tanh(age / 4.0)) * 0.5 * (1 - np.tanh((age - 250.0 + 60 * beat) / 30.0))
         potential += 100.0 * up
         stress += (12.0 - 2.0 * beat) * up
-    history = ActivationHistory(
+    history = history_with(
         time=time,
         potential=potential,
         active_stress=stress,

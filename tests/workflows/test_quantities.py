@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Measures
+from stages.postprocessing.tips import no_tips
 from workflows.planar_waves import quantities
 
 NAN = float("nan")
@@ -22,8 +23,13 @@ MEASURES = Measures(
     projected_length=np.array([3.5, 3.4]),
     curvature=np.array([0.0, 0.2]),
     activation_times=np.array([[1.0, NAN, 4.0], [NAN, NAN, NAN]]),
+    repolarisation_times=np.array([[301.0, NAN, NAN], [NAN, NAN, NAN]]),
+    apd50=np.array([[250.0, NAN, NAN], [NAN, NAN, NAN]]),
+    apd90=np.array([[300.0, NAN, NAN], [NAN, NAN, NAN]]),
+    peak_potential=np.array([[19.0, NAN, NAN], [NAN, NAN, NAN]]),
     peak_active_stress=np.array([[7.0, NAN, NAN], [NAN, NAN, NAN]]),
     conduction_velocity=np.array([0.0175, NAN, NAN]),
+    tips=no_tips(),
 )
 
 
@@ -48,6 +54,10 @@ def test_a_wave_that_never_came_has_no_speed() -> None:
     silent = replace(
         MEASURES,
         activation_times=nothing,
+        repolarisation_times=nothing,
+        apd50=nothing,
+        apd90=nothing,
+        peak_potential=nothing,
         peak_active_stress=nothing,
         conduction_velocity=np.empty(0),
     )
