@@ -103,6 +103,7 @@ def plan(config: PlanarWavesConfig) -> Mapping[str, Node[Any]]:
     history = electrophysiology(cells, surface=surface)
     transfer = TransferConfig(
         scale=config.activation.scale,
+        transfer=config.activation.transfer_from(cells.degree),
         duration=shell.duration,
         n_steps=shell.n_steps,
         points=shell.points_per_element,

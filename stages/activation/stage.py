@@ -26,12 +26,12 @@ def activation(
     """
     import numpy as np
 
-    from stages.activation.transfer import SurfaceTransfer
     from stages.numerics.quadrature import quadrature_grid
     from stages.numerics.time_series import TimeSeries
+    from stages.numerics.transfer import surface_transfer
 
     grid = quadrature_grid(mid_surface.patch, config.points)
-    transfer = SurfaceTransfer.between(surface.patch, grid.theta1, grid.theta2)
+    transfer = surface_transfer(config.transfer, surface.patch, grid.theta1, grid.theta2)
     wanted = np.linspace(0.0, config.duration, config.n_steps + 1)
     points = grid.theta1.size * grid.theta2.size
     samples = run.stream(StressSamples, frames=wanted.size, shapes={"active_stress": (points,)})

@@ -8,10 +8,8 @@ import pytest
 from pipeline.testing import interrupted_and_resumed
 from stages.activation.config import TransferConfig
 from stages.activation.stage import activation
-from stages.activation.transfer import SurfaceTransfer
 from stages.artefacts import ActivationHistory, ExcitableSurface, MidSurface
 from stages.numerics.patches import Patch
-from stages.numerics.quadrature import quadrature_grid
 from stages.numerics.time_series import TimesNotCoveredError
 from tests.histories import history_with
 
@@ -20,46 +18,14 @@ SURFACE = FILM.refine(2, (20, 12))
 SHELL = FILM.refine(2, (8, 4))
 
 
-def points_of(patch: Patch) -> np.ndarray:
-    return patch.evaluate(patch.first.greville(), patch.second.greville())
-
-
 def history_of(times: np.ndarray, frames: np.ndarray) -> ActivationHistory:
     return history_with(times, frames, frames, np.full((frames.shape[1], 0), np.nan))
-
-
-def test_a_quadratic_field_is_transferred_exactly() -> None:
-    """Quadratic splines hold it, so collocation and evaluation change nothing but round-off."""
-
-    def field(points: np.ndarray) -> np.ndarray:
-        x, y = points[:, 0], points[:, 1]
-        return 1.0 + 2.0 * x - 3.0 * y + 0.5 * x * y + x**2 - 0.25 * (x * y) ** 2
-
-    grid = quadrature_grid(SHELL, 3)
-    transfer = SurfaceTransfer.between(SURFACE, grid.theta1, grid.theta2)
-    exact = field(SHELL.evaluate(grid.theta1, grid.theta2))
-    # round-off of values up to 50, through interpolation matrices of condition below 10
-    np.testing.assert_allclose(transfer(field(points_of(SURFACE))), exact, rtol=0, atol=1e-12)
-
-
-def test_a_smooth_field_converges_at_third_order() -> None:
-    grid = quadrature_grid(SHELL, 3)
-    errors = []
-    for elements in ((10, 6), (20, 12), (40, 24)):
-        surface = FILM.refine(2, elements)
-        x, y = points_of(surface)[:, :2].T
-        transfer = SurfaceTransfer.between(surface, grid.theta1, grid.theta2)
-        at = SHELL.evaluate(grid.theta1, grid.theta2)
-        exact = np.sin(2.0 * at[:, 0]) * np.cos(1.5 * at[:, 1])
-        errors.append(np.abs(transfer(np.sin(2.0 * x) * np.cos(1.5 * y)) - exact).max())
-    # quadratic splines: third order, from above 2.8 on meshes of two elements per radian
-    assert np.log2(errors[1] / errors[2]) > 2.8
 
 
 def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
     times = np.arange(0.0, 21.0)
     frames = times[:, None] * np.ones((1, SURFACE.size))
-    config = TransferConfig(scale=0.5, duration=20.0, n_steps=8, points=3)
+    config = TransferConfig(scale=0.5, transfer="spline", duration=20.0, n_steps=8, points=3)
     samples = activation.compute(
         config, history_of(times, frames), ExcitableSurface(SURFACE), MidSurface(SHELL)
     )
@@ -75,7 +41,7 @@ def test_the_stage_samples_the_mechanics_times_and_scales() -> None:
 
 def test_a_shell_that_outlasts_the_cells_is_refused() -> None:
     times = np.arange(0.0, 11.0)
-    config = TransferConfig(scale=1.0, duration=20.0, n_steps=8, points=3)
+    config = TransferConfig(scale=1.0, transfer="spline", duration=20.0, n_steps=8, points=3)
     expected = (
         "^active stress is needed from 0 to 20 ms, "
         "but the electrophysiology ran from 0 to 10 ms only$"
@@ -95,7 +61,7 @@ def test_a_shell_that_outlasts_the_cells_is_refused() -> None:
 def test_a_stopped_transfer_goes_on_as_if_nothing_had_happened(after: int) -> None:
     times = np.arange(0.0, 21.0)
     frames = np.random.default_rng(2).normal(size=(21, SURFACE.size))
-    config = TransferConfig(scale=0.5, duration=20.0, n_steps=8, points=3)
+    config = TransferConfig(scale=0.5, transfer="spline", duration=20.0, n_steps=8, points=3)
     inputs = (history_of(times, frames), ExcitableSurface(SURFACE), MidSurface(SHELL))
     unbroken = activation.compute(config, *inputs)
     resumed = interrupted_and_resumed(activation, config, *inputs, after=after)
