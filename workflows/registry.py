@@ -1,7 +1,7 @@
 """Workflows by name; none is imported before it is asked for.
 
 A new workflow is a module that defines ``WORKFLOW``, a file ``parameters/<name>.toml``, and one entry
-here.
+here, which names the parameter files that it shares with others.
 """
 
 from __future__ import annotations
@@ -18,12 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Entry:
-    """Where a workflow is, and what it is in one line."""
+    """Where a workflow is, what it is in one line, and the parameter files below its own."""
 
     name: str
     module: str
     about: str
+    shared: tuple[str, ...] = ()
 
+
+FILM_WITH_CELLS = ("tissue", "coupled-film")
+"""Parameter files of the experiments of section 4.3."""
 
 ENTRIES = (
     Entry(
@@ -40,6 +44,13 @@ ENTRIES = (
         "planar-waves",
         "workflows.planar_waves",
         "electrical waves S1 and S2 cross a film and make it beat (section 4.3, Figs 8 and 9)",
+        FILM_WITH_CELLS,
+    ),
+    Entry(
+        "spiral-wave",
+        "workflows.spiral_wave",
+        "a wave S3 across the tail of S1 turns into a spiral (section 4.3, Figs 10 and 11)",
+        FILM_WITH_CELLS,
     ),
     Entry(
         "verification",
@@ -57,16 +68,21 @@ def find(name: str) -> Workflow:
     InputError
         If there is none.
     """
+    workflow: Workflow = importlib.import_module(_entry(name).module).WORKFLOW
+    return workflow
+
+
+def parameter_files(name: str) -> tuple[Path, ...]:
+    """Files with a workflow's parameters as the paper gives them, each laid over the one before."""
+    folder = Path(__file__).parent / "parameters"
+    return tuple(folder / f"{file}.toml" for file in (*_entry(name).shared, name))
+
+
+def _entry(name: str) -> Entry:
     for entry in ENTRIES:
         if entry.name == name:
-            workflow: Workflow = importlib.import_module(entry.module).WORKFLOW
-            return workflow
+            return entry
     raise unknown("workflow", name, [entry.name for entry in ENTRIES])
-
-
-def parameters(name: str) -> Path:
-    """File with a workflow's parameters as the paper gives them."""
-    return Path(__file__).parent / "parameters" / f"{name}.toml"
 
 
 def unknown(kind: str, name: str, names: list[str], owner: str = "") -> Exception:

@@ -49,7 +49,10 @@ class Request:
         from pipeline.config import load, read_toml
 
         workflow = registry.find(name)
-        layers: list[Mapping[str, Any]] = [read_toml(registry.parameters(name)), defaults]
+        layers: list[Mapping[str, Any]] = [
+            *(read_toml(file) for file in registry.parameter_files(name)),
+            defaults,
+        ]
         if config is not None:
             layers.append(read_toml(config))
         return cls(workflow, load(workflow.config, layers, overrides))

@@ -20,8 +20,8 @@ def test_the_figures_are_the_same_bytes_every_time(experiment: Experiment, tmp_p
     names = [f"{figure}.{kind}" for figure in ("fig8", "fig9") for kind in ("png", "svg")]
     written = []
     for _ in range(2):
-        snapshots.write(experiment, tmp_path)
-        traces.write(experiment, tmp_path)
+        snapshots.write(experiment, tmp_path, "fig8")
+        traces.write(experiment, tmp_path, "fig9")
         written.append([(tmp_path / name).read_bytes() for name in names])
     assert written[0] == written[1]
     assert all(data.startswith(b"\x89PNG") for data in written[0][::2])
@@ -30,17 +30,29 @@ def test_the_figures_are_the_same_bytes_every_time(experiment: Experiment, tmp_p
 
 def test_several_runs_are_named_in_the_figure(experiment: Experiment, tmp_path: Path) -> None:
     measures = experiment.measures
-    traces.draw({"S1 and S2": measures, "S1 alone": measures}, tmp_path)
+    traces.draw({"S1 and S2": measures, "S1 alone": measures}, tmp_path, "fig9")
     both = (tmp_path / "fig9.svg").read_text()
-    traces.draw({"": measures}, tmp_path)
+    traces.draw({"": measures}, tmp_path, "fig9")
     one = (tmp_path / "fig9.svg").read_text()
     assert "<!-- S1 alone -->" in both
     assert "<!-- S1 alone -->" not in one
 
 
 def test_the_papers_times_are_shown_when_the_run_covers_them() -> None:
-    assert snapshots.snapshot_times(875.0) == (0.0, 100.0, 435.0, 575.0, 775.0, 875.0)
-    assert snapshots.snapshot_times(874.0)[-1] == 874.0
+    times = snapshots.PAPER_TIMES["fig8"]
+    assert snapshots.snapshot_times(times, 875.0) == (0.0, 100.0, 435.0, 575.0, 775.0, 875.0)
+    assert snapshots.snapshot_times(times, 874.0)[-1] == 874.0
+
+
+def test_the_spiral_has_eight_films_and_the_corner(experiment: Experiment, tmp_path: Path) -> None:
+    snapshots.write(experiment, tmp_path, "fig10")
+    assert "(h)" in (tmp_path / "fig10.svg").read_text()
+    assert "(i)" not in (tmp_path / "fig10.svg").read_text()
+    traces.write(experiment, tmp_path, "fig11")
+    legend = (tmp_path / "fig11.svg").read_text()
+    assert "<!-- A: X" in legend
+    assert "<!-- C: X" in legend
+    assert "<!-- B: X" not in legend
 
 
 def test_probes_of_any_name_can_be_drawn(tmp_path: Path) -> None:
@@ -48,5 +60,5 @@ def test_probes_of_any_name_can_be_drawn(tmp_path: Path) -> None:
 
     experiment = synthetic_experiment((0.0,), 20.0, (6, 2), (8, 3))
     renamed = replace(experiment.measures, probe_names=("left", "middle", "right"))
-    traces.draw({"": renamed}, tmp_path)
+    traces.draw({"": renamed}, tmp_path, "fig9")
     assert "<!-- left: X" in (tmp_path / "fig9.svg").read_text()

@@ -9,7 +9,7 @@ import pytest
 
 from stages.artefacts import Measures
 from stages.postprocessing.tips import no_tips
-from workflows.planar_waves import quantities
+from workflows.film_quantities import quantities
 
 NAN = float("nan")
 

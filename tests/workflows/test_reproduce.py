@@ -139,6 +139,6 @@ def test_a_figure_is_drawn_by_name_with_its_numbers(tmp_path: Path) -> None:
 
 def test_the_figures_are_those_of_the_paper_and_one_more() -> None:
     assert [figure.name for figure in FIGURES] == [
-        *(f"fig{i}" for i in range(3, 10)),
+        *(f"fig{i}" for i in range(3, 12)),
         "stoney-bias",
     ]

@@ -54,6 +54,7 @@ def test_help_needs_nothing_but_typer() -> None:
     [
         ["list"],
         ["show", "planar-waves"],
+        ["show", "spiral-wave"],
         ["show", "curling"],
         ["show", "twitch"],
         ["reproduce"],
@@ -69,7 +70,9 @@ def test_listing_the_store_needs_no_numerics(tmp_path: Path) -> None:
     assert not imported("store", "ls", "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
-@pytest.mark.parametrize("workflow", ["planar-waves", "curling", "twitch", "verification"])
+@pytest.mark.parametrize(
+    "workflow", ["planar-waves", "spiral-wave", "curling", "twitch", "verification"]
+)
 def test_explaining_needs_no_heavy_library(workflow: str, tmp_path: Path) -> None:
     assert not imported("explain", workflow, "--store", tmp_path) & (LIGHT | NUMERICS)
 

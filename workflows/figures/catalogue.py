@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -78,19 +79,19 @@ def _fig7(runs: Runs, folder: Path) -> Drawn:
     return _drawn("fig7", dynamic.draw_curvatures(runs, folder, "fig7"))
 
 
-def _fig8(runs: Runs, folder: Path) -> Drawn:
+def _snapshots(name: str, runs: Runs, folder: Path) -> Drawn:
     from workflows.figures import snapshots
 
     (experiment,) = runs.values()
-    snapshots.write(experiment, folder)
-    return Drawn(("fig8.png", "fig8.svg"), (), {})
+    snapshots.write(experiment, folder, name)
+    return Drawn((f"{name}.png", f"{name}.svg"), (), {})
 
 
-def _fig9(runs: Runs, folder: Path) -> Drawn:
+def _traces(name: str, runs: Runs, folder: Path) -> Drawn:
     from workflows.figures import traces
 
-    traces.draw({label: one.measures for label, one in runs.items()}, folder)
-    return Drawn(("fig9.png", "fig9.svg"), (), {})
+    traces.draw({label: one.measures for label, one in runs.items()}, folder, name)
+    return Drawn((f"{name}.png", f"{name}.svg"), (), {})
 
 
 def _stoney_bias(runs: Runs, folder: Path) -> Drawn:
@@ -105,6 +106,8 @@ def _drawn(name: str, quantities: Mapping[str, Quantity]) -> Drawn:
 
 BOTH_WAVES = Run("planar-waves", ('electrophysiology.stimuli=["S1", "S2"]',))
 FIRST_WAVE_ALONE = Run("planar-waves", ('electrophysiology.stimuli=["S1"]',))
+SPIRAL = Run("spiral-wave", ('electrophysiology.stimuli=["S1", "S3"]',))
+SPIRAL_WITHOUT_S3 = Run("spiral-wave", ('electrophysiology.stimuli=["S1"]',))
 
 FIGURES = (
     PaperFigure(
@@ -141,13 +144,25 @@ FIGURES = (
         "fig8",
         "the film at six times during two planar waves, coloured by the potential",
         {"S1 and S2": BOTH_WAVES},
-        _fig8,
+        partial(_snapshots, "fig8"),
     ),
     PaperFigure(
         "fig9",
         "active stress and displacement at the centre and the tip, two waves and the first alone",
         {"S1 and S2": BOTH_WAVES, "S1 alone": FIRST_WAVE_ALONE},
-        _fig9,
+        partial(_traces, "fig9"),
+    ),
+    PaperFigure(
+        "fig10",
+        "the film at eight times of a spiral wave, coloured by the potential",
+        {"S1 and S3": SPIRAL},
+        partial(_snapshots, "fig10"),
+    ),
+    PaperFigure(
+        "fig11",
+        "active stress and displacement at the centre and the corner, spiral and first wave alone",
+        {"S1 and S3": SPIRAL, "S1 alone": SPIRAL_WITHOUT_S3},
+        partial(_traces, "fig11"),
     ),
     PaperFigure(
         "stoney-bias",

@@ -17,7 +17,6 @@ from workflows.figures.style import FAINT, INK, drawing, save
 
 COLOURS = colormaps["viridis"]
 QUADS_ALONG = 96
-COLUMNS = 3
 ELEVATION = 24
 """Degrees from which one looks down on the films."""
 
@@ -48,12 +47,13 @@ class Panel:
 def draw_films(
     panels: Sequence[Panel], scale: Normalize, label: str, folder: Path, name: str
 ) -> None:
-    """Write ``name.png`` and ``name.svg``: three films in a row, with a bar of their colours."""
+    """Write ``name.png`` and ``name.svg``: rows of films, with a bar of their colours."""
     box = _common_box([points for panel in panels for points in (panel.reference, panel.shape)])
-    rows, room = -(-len(panels) // COLUMNS), _room(box)
-    with drawing(10.4, 0.2 + 2.4 * room * rows) as figure:
+    columns, room = 3 if len(panels) <= 6 else 4, _room(box)
+    rows = -(-len(panels) // columns)
+    with drawing(1.1 + 3.1 * columns, 0.2 + 2.4 * room * rows) as figure:
         for i, panel in enumerate(panels):
-            axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
+            axes = figure.add_subplot(rows, columns, i + 1, projection="3d", computed_zorder=False)
             _draw_film(axes, panel, scale, box, 1.04 / room)
             if i == 0:
                 _draw_measures(axes, panel)

@@ -1,4 +1,4 @@
-"""Active stress and displacement at two probes over time, in the layout of Fig. 9."""
+"""Active stress and displacement at two probes over time, in the layouts of Figs 9 and 11."""
 
 from __future__ import annotations
 
@@ -14,19 +14,21 @@ from stages.artefacts import Measures
 from workflows.experiment import Experiment
 from workflows.figures.style import INK, PROBE_COLOURS, drawing, save
 
-PAPER_PROBES = ("A", "B")
+PAPER_PROBES = {"fig9": ("A", "B"), "fig11": ("A", "C")}
+"""Where the paper looks: at the centre and the tip, at the centre and the corner."""
+
 LINE_STYLES: tuple[Any, ...] = ("-", (0, (4, 2.5)))
 
 
-def write(experiment: Experiment, folder: Path) -> None:
-    """Write ``fig9.png`` and ``fig9.svg`` for one run."""
-    draw({"": experiment.measures}, folder)
+def write(experiment: Experiment, folder: Path, name: str) -> None:
+    """Write ``name.png`` and ``name.svg`` for one run."""
+    draw({"": experiment.measures}, folder, name)
 
 
-def draw(runs: Mapping[str, Measures], folder: Path) -> None:
+def draw(runs: Mapping[str, Measures], folder: Path, name: str) -> None:
     """Write the figure for one run, or for several laid over one another, labelled by their names."""
     first = next(iter(runs.values()))
-    probes = [name for name in PAPER_PROBES if name in first.probe_names]
+    probes = [probe for probe in PAPER_PROBES[name] if probe in first.probe_names]
     probes = probes or list(first.probe_names[:2])
     with drawing(10.4, 3.9) as figure:
         stress, motion = figure.subplots(1, 2)
@@ -43,7 +45,7 @@ def draw(runs: Mapping[str, Measures], folder: Path) -> None:
         entries = _legend(probes, first, list(runs))
         figure.legend(handles=entries, loc="upper center", ncols=len(entries))
         figure.tight_layout(w_pad=3, rect=(0, 0, 1, 0.93))
-        save(figure, folder, "fig9")
+        save(figure, folder, name)
 
 
 def _draw_run(

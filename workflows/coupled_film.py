@@ -1,0 +1,147 @@
+"""A film with cells: configuration and plan of the experiments of section 4.3.
+
+geometry -> electrophysiology -> activation -> mechanics -> postprocessing. The electrophysiology
+does not depend on the motion, so a mechanical parameter leaves its result alone. Experiments differ in
+their stimuli; where settings are equal, they share the results of the stages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
+from stages.activation.config import ActivationConfig, TransferConfig
+from stages.configuration import Section
+from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurrent
+from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
+from stages.mechanics.config import MechanicsConfig
+from stages.postprocessing.config import PostprocessingConfig
+from workflows.film_checks import (
+    acting_off_the_film,
+    extent,
+    interval,
+    places_off_the_film,
+    unusable_layers,
+)
+from workflows.tables import exact
+from workflows.workflow import Export
+
+if TYPE_CHECKING:
+    from pipeline.nodes import Node
+
+
+class CoupledFilmConfig(Section):
+    """All parameters of the experiment, section by section."""
+
+    geometry: FilmConfig
+    electrophysiology: ElectrophysiologyConfig
+    activation: ActivationConfig
+    mechanics: MechanicsConfig
+    postprocessing: PostprocessingConfig
+
+    @model_validator(mode="after")
+    def _sections_fit_together(self) -> CoupledFilmConfig:
+        for problem in _misfits(self):
+            raise PydanticCustomError("misfit", "{problem}", {"problem": problem})
+        return self
+
+
+def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
+    """What contradicts across sections, in words."""
+    film, measured = config.geometry, config.postprocessing
+    covered, needed = config.electrophysiology.duration, config.mechanics.duration
+    if covered < needed:
+        yield (
+            f"electrophysiology.duration = {exact(covered)} ms ends before mechanics.duration = "
+            f"{exact(needed)} ms: the film would move without knowing its active stress"
+        )
+    yield from places_off_the_film(film, measured)
+    yield from unusable_layers(film, config.mechanics)
+    yield from acting_off_the_film(film, config.mechanics)
+    for stimulus in config.electrophysiology.stimuli:
+        if isinstance(stimulus, PatchCurrent) and not (
+            stimulus.x[0] >= 0
+            and stimulus.x[1] <= film.length
+            and stimulus.y[0] >= 0
+            and stimulus.y[1] <= film.width
+        ):
+            yield (
+                "electrophysiology.stimuli: the stimulated rectangle "
+                f"{interval(stimulus.x)} x {interval(stimulus.y)} mm reaches outside the film "
+                f"{extent(film)}"
+            )
+    window = measured.velocity_window
+    if window[0] < 0 or window[1] > film.length:
+        yield (
+            f"postprocessing.velocity_window = {interval(window)} mm reaches outside the film "
+            f"{extent(film)}"
+        )
+
+
+def plan(config: CoupledFilmConfig) -> Mapping[str, Node[Any]]:
+    """The five stages and what each takes from the others."""
+    from stages.activation.stage import activation
+    from stages.electrophysiology.stage import electrophysiology
+    from stages.geometry.stage import geometry
+    from stages.mechanics.stage import mechanics
+    from stages.postprocessing.stage import postprocessing
+
+    cells, shell = config.electrophysiology, config.mechanics
+    film = geometry(
+        GeometryStageConfig(
+            film=config.geometry,
+            excitable_mesh=MeshConfig(elements=cells.elements, degree=cells.degree),
+            shell_mesh=MeshConfig(elements=shell.elements, degree=shell.degree),
+        )
+    )
+    surface, mid_surface = film.part("excitable_surface"), film.part("mid_surface")
+    history = electrophysiology(cells, surface=surface)
+    transfer = TransferConfig(
+        scale=config.activation.scale,
+        transfer=config.activation.transfer_from(cells.degree),
+        duration=shell.duration,
+        n_steps=shell.n_steps,
+        points=shell.points_per_element,
+    )
+    stress = activation(transfer, history=history, surface=surface, mid_surface=mid_surface)
+    deformation = mechanics(
+        shell, mid_surface=mid_surface, laminate=film.part("laminate"), stress=stress
+    )
+    measures = postprocessing(
+        config.postprocessing,
+        history=history,
+        surface=surface,
+        mid_surface=mid_surface,
+        deformation=deformation,
+    )
+    return {
+        "geometry": film,
+        "electrophysiology": history,
+        "activation": stress,
+        "mechanics": deformation,
+        "postprocessing": measures,
+    }
+
+
+ALL_BUT_TRANSFER = ("geometry", "electrophysiology", "mechanics")
+
+DATA = (
+    Export(
+        files=("probes.csv",),
+        modules=("workflows.exports.probes",),
+        stages=("postprocessing",),
+        kind="data",
+        caption="Displacement, active stress and potential of each probe over time.",
+    ),
+    Export(
+        files=("film.vtkhdf",),
+        modules=("workflows.exports.paraview",),
+        stages=ALL_BUT_TRANSFER,
+        kind="data",
+        caption="The moving film with its fields, for ParaView 5.12 or newer.",
+    ),
+)
+"""Files that every such experiment leaves."""

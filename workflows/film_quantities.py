@@ -1,0 +1,67 @@
+"""Numbers that an experimenter would write down about a film with cells."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from workflows.workflow import Quantity
+
+if TYPE_CHECKING:
+    from stages.artefacts import Measures
+    from stages.numerics.bsplines import Array
+
+
+def quantities(measures: Measures) -> dict[str, Quantity]:
+    """The numbers that an experimenter would write down."""
+    speeds = listed(measures.conduction_velocity)
+    found = {
+        "conduction_velocity": Quantity(
+            speeds[0] if speeds else None,
+            "mm/ms",
+            "speed of the first electrical front along the middle of the film",
+        ),
+        "max_curvature": Quantity(
+            float(measures.curvature.max()),
+            "1/mm",
+            "largest curvature, from the length of the film's projection as in experiments",
+        ),
+    }
+    for i, name in enumerate(measures.probe_names):
+        found |= _probe_quantities(measures, i, name)
+    return found
+
+
+def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quantity]:
+    beats = [
+        (time, peak)
+        for time, peak in zip(
+            listed(measures.activation_times[i]),
+            listed(measures.peak_active_stress[i]),
+            strict=True,
+        )
+        if time is not None
+    ]
+    reached = [float(measures.active_stress[:, i].max()), *(peak for _, peak in beats if peak)]
+    motion = (measures.displacement[:, i] ** 2).sum(axis=-1) ** 0.5
+    return {
+        f"{name}.activation_times": Quantity(
+            [time for time, _ in beats],
+            "ms",
+            f"when the electrical front arrives at {name}, beat by beat",
+        ),
+        f"{name}.peak_active_stress": Quantity(
+            max(reached), "kPa", f"how hard the muscle pulls at {name} at most"
+        ),
+        f"{name}.peak_active_stresses": Quantity(
+            [peak for _, peak in beats], "kPa", f"the same for each beat at {name}"
+        ),
+        f"{name}.max_displacement": Quantity(
+            float(motion.max()), "mm", f"how far {name} moves from its place at rest at most"
+        ),
+    }
+
+
+def listed(values: Array) -> list[float | None]:
+    """Plain numbers, ``None`` for NaN."""
+    return [float(v) if math.isfinite(v) else None for v in values]
