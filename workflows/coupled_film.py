@@ -19,6 +19,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurren
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
+from workflows.conduction import conducting
 from workflows.film_checks import (
     acting_off_the_film,
     extent,
@@ -89,7 +90,7 @@ def plan(config: CoupledFilmConfig) -> Mapping[str, Node[Any]]:
     from stages.mechanics.stage import mechanics
     from stages.postprocessing.stage import postprocessing
 
-    cells, shell = config.electrophysiology, config.mechanics
+    cells, shell = conducting(config.electrophysiology, config.geometry), config.mechanics
     film = geometry(
         GeometryStageConfig(
             film=config.geometry,

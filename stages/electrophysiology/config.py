@@ -61,6 +61,21 @@ class ElectrophysiologyConfig(Section):
         "mV", "potential whose upward crossing is the activation time", "this project"
     )
     conductivity: float = quantity("nF/ms", "tissue conductivity D", "Table 3", gt=0)
+    transverse_conductivity: float | None = quantity(
+        "nF/ms",
+        "conductivity across the fibres, where `conductivity` is that along them; none: the same",
+        "eq. 8, D as a tensor",
+        gt=0,
+        default=None,
+    )
+    diffusion_angle: float | None = quantity(
+        "degree",
+        "angle from X of the fibres that conduct better; none: that of the active layer's fibres",
+        "eq. 8, D as a tensor",
+        ge=-180,
+        le=180,
+        default=None,
+    )
     membrane_capacitance: float = quantity("nF/mm^2", "membrane capacitance C_m", "Table 3", gt=0)
     initial_potential: float = quantity("mV", "potential at rest v_0", "Table 3")
     cell_model: Annotated[CellModel, OneOf("stages.electrophysiology.cell_models", CellModel)] = (
@@ -104,6 +119,17 @@ class ElectrophysiologyConfig(Section):
         return data | {
             "stimuli": tuple(library[item] if isinstance(item, str) else item for item in chosen)
         }
+
+    @model_validator(mode="after")
+    def _angle_has_a_meaning(self) -> ElectrophysiologyConfig:
+        if self.diffusion_angle is not None and self.transverse_conductivity is None:
+            raise PydanticCustomError(
+                "angle_without_fibres",
+                "diffusion_angle has no meaning without transverse_conductivity: the tissue conducts "
+                "alike in all directions",
+                {},
+            )
+        return self
 
     @property
     def step(self) -> float:

@@ -20,6 +20,7 @@ from stages.electrophysiology.separable_stepper import SeparableStepper
 from stages.electrophysiology.stimuli import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
 from stages.numerics.collocation import collocate
+from stages.numerics.diffusivity import Diffusivity, along_fibres, isotropic
 from stages.numerics.patches import Patch
 
 
@@ -35,7 +36,7 @@ def build(
     general
         Use the solver for any patch even where the fast one would do.
     """
-    operators = collocate(patch)
+    operators = collocate(patch, diffusivity_of(config))
     problem = Problem(
         Clock(config.step, config.activation_threshold),
         config.membrane_capacitance,
@@ -58,6 +59,25 @@ def build(
     else:
         stepper = SeparableStepper(problem, fast, operators)
     return stepper, rest(config, stepper, patch.size)
+
+
+def diffusivity_of(config: ElectrophysiologyConfig) -> Diffusivity:
+    """Tensor field relative to the conductivity along the fibres.
+
+    Raises
+    ------
+    ValueError
+        If the tissue is anisotropic and nobody said where its fibres run.
+    """
+    if config.transverse_conductivity is None:
+        return isotropic
+    if config.diffusion_angle is None:
+        raise ValueError(
+            "transverse_conductivity differs along and across fibres: give their diffusion_angle"
+        )
+    return along_fibres(
+        config.transverse_conductivity / config.conductivity, config.diffusion_angle
+    )
 
 
 def rest(config: ElectrophysiologyConfig, stepper: Stepper, points: int) -> TissueState:

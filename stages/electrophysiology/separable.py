@@ -18,7 +18,7 @@ from stages.numerics.patches import Patch
 
 @dataclass(frozen=True)
 class Modes:
-    """Eigenmodes of the one-dimensional collocated Laplacian with zero flux at both ends.
+    """Eigenmodes of the one-dimensional collocated Laplacian with zero flux at both ends, or periodic ones.
 
     Attributes
     ----------
@@ -38,17 +38,21 @@ class Modes:
     rates: Array
 
 
-def zero_flux_modes(space: SplineSpace, metric_con: float) -> Modes | None:
-    """Modes of one direction, or None if they are not real and damped (then there is no fast path)."""
+def free_modes(space: SplineSpace, stiffness: float, closed: bool = False) -> Modes | None:
+    """Modes of one direction, or None if they are not real and damped (then there is no fast path).
+
+    ``stiffness`` is D^aa, 1/mm^2 per unit of the parameter squared; ``closed``: the direction runs into
+    itself, with one value and one slope at both ends.
+    """
     greville = space.greville()
     values, slopes, bends = (space.evaluate(greville, k) for k in range(3))
     n = space.size
+    ends = np.stack((values[0] - values[-1], slopes[0] - slopes[-1])) if closed else slopes[[0, -1]]
     free = np.zeros((n, n - 2))
     free[1:-1] = np.eye(n - 2)
-    free[0] = -slopes[0, 1:-1] / slopes[0, 0]
-    free[-1] = -slopes[-1, 1:-1] / slopes[-1, -1]
+    free[[0, -1]] = -np.linalg.solve(ends[:, [0, -1]], ends[:, 1:-1])
     mass = values[1:-1] @ free
-    rates, modes = eig(metric_con * bends[1:-1] @ free, mass)
+    rates, modes = eig(stiffness * bends[1:-1] @ free, mass)
     scale = float(np.abs(rates).max())
     if np.abs(rates.imag).max() > 1e-9 * scale or rates.real.max() > 1e-9 * scale:
         return None
@@ -64,7 +68,7 @@ def zero_flux_modes(space: SplineSpace, metric_con: float) -> Modes | None:
 
 @dataclass(frozen=True)
 class SeparableDiffusion:
-    """Patch with orthogonal, constant metric: the step is diagonal in products of 1-D modes.
+    """Orthogonal, constant metric and diffusivity: the step is diagonal in products of 1-D modes.
 
     With zero flux on all edges the solution lies in the span of the modes (they fulfil every edge
     row, hence also the corner rows), and it is the only one. A stimulus adds its lift: the solution
@@ -88,18 +92,21 @@ class SeparableDiffusion:
 
 
 def is_separable(operators: CollocationOperators, tolerance: float = 1e-10) -> bool:
-    """Whether the metric is constant and orthogonal and the coordinates are straight.
+    """Whether metric and diffusivity are constant and orthogonal and the coordinates straight.
 
     Relative to what counts in the Laplacian: a Christoffel symbol multiplies v_,a, which is smaller
     than v_,ab by about the number of points, as is its rounding error.
     """
-    metric = operators.frame.metric_con
-    scale = np.array([metric[:, 0, 0].mean(), metric[:, 1, 1].mean()])
-    mixed = np.abs(metric[:, 0, 1]).max() / np.sqrt(scale.prod())
-    spread = max(np.ptp(metric[:, k, k]) / scale[k] for k in (0, 1))
-    points = max(operators.edges["X=0"].size, operators.edges["Y=0"].size)
-    bend = np.abs(operators.frame.christoffel).max() / points
-    return bool(max(mixed, spread, bend) < tolerance)
+
+    def spread(tensor: Array) -> float:
+        scale = np.array([tensor[:, 0, 0].mean(), tensor[:, 1, 1].mean()])
+        mixed = np.abs(tensor[:, 0, 1]).max() / np.sqrt(scale.prod())
+        return float(max(mixed, *(np.ptp(tensor[:, k, k]) / scale[k] for k in (0, 1))))
+
+    diffusivity, points = operators.diffusivity, max(operators.shape)
+    bend = max(np.abs(operators.frame.christoffel).max(), np.abs(diffusivity.divergence).max())
+    uneven = (spread(operators.frame.metric_con), spread(diffusivity.components), bend / points)
+    return bool(max(uneven) < tolerance)
 
 
 def separable_diffusion(
@@ -116,9 +123,9 @@ def separable_diffusion(
     """
     if not is_separable(operators):
         return None
-    metric = operators.frame.metric_con[0]
-    first = zero_flux_modes(patch.first, float(metric[0, 0]))
-    second = zero_flux_modes(patch.second, float(metric[1, 1]))
+    tensor, closed = operators.diffusivity.components[0], operators.closed
+    first = free_modes(patch.first, float(tensor[0, 0]), closed[0])
+    second = free_modes(patch.second, float(tensor[1, 1]), closed[1])
     if first is None or second is None:
         return None
     rate = 0.5 * step * diffusivity * (first.rates[:, None] + second.rates[None, :])

@@ -76,6 +76,13 @@ class FilmConfig(Section):
             ),
         )
 
+    @property
+    def conducting_angle(self) -> float:
+        """Angle of the fibres in the layer that carries the cells: the topmost active one."""
+        active = [layer.fibre_angle for layer in self.lay_up if layer.activity != 0.0]
+        angle = active[-1] if active else None
+        return self.fibre_angle if angle is None else angle
+
     @model_validator(mode="after")
     def _layers_have_names(self) -> FilmConfig:
         names = [layer.name for layer in self.layers]

@@ -9,11 +9,16 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from stages.numerics.bsplines import Array
+from stages.numerics.diffusivity import Diffusivity, TensorField, isotropic
 from stages.numerics.patches import Patch
+from stages.numerics.seams import Closed, closed_directions, join_seams
 from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
 
 EDGES = ("X=0", "X=L1", "Y=0", "Y=L2")
 """Start and end of the first parametric direction, start and end of the second."""
+
+SIDES = {"X=0": (0, -1), "X=L1": (0, 1), "Y=0": (1, -1), "Y=L2": (1, 1)}
+"""Direction that an edge bounds, and on which end of it."""
 
 
 @dataclass(frozen=True)
@@ -25,16 +30,25 @@ class CollocationOperators:
     values
         N(xi_j): the field itself (eq. 85).
     laplacian
-        Laplace-Beltrami operator in curvilinear coordinates (eqs. 9, 75), 1/mm^2.
+        div(D grad) in curvilinear coordinates, 1/mm^2; the Laplace-Beltrami operator where the tissue is
+        isotropic (eqs. 9, 75).
     flux
-        Outward normal derivative n . grad on the boundary, 1/mm (eq. 77 over D); zero rows inside.
-        A corner belongs to two edges; its row is the sum of both edge rows.
+        Outward co-normal derivative n . D grad on the boundary, 1/mm (eq. 77 over the conductivity); zero
+        rows inside. A corner belongs to two edges; its row is the sum of both edge rows. Rows of seams:
+        :func:`~stages.numerics.seams.join_seams`.
     interior
-        True where a point lies inside, shape ``(point,)``.
+        True where a point lies inside, shape ``(point,)``; seams count as outside.
     edges
-        Points of each edge by its name, both corners included.
+        Points of each edge by its name, both corners included. Where the patch is closed there are no
+        edges, and the others stop before the second copy of the seam.
     frame
         Surface frame at the points.
+    diffusivity
+        D^ab at the points, relative to the conductivity.
+    closed
+        Whether each direction runs into itself.
+    shape
+        Points along both directions.
     """
 
     values: sparse.csr_array
@@ -43,20 +57,56 @@ class CollocationOperators:
     interior: NDArray[np.bool_]
     edges: dict[str, NDArray[np.int64]]
     frame: SurfaceFrame
+    diffusivity: TensorField
+    closed: Closed
+    shape: tuple[int, int]
+
+    def edge(self, name: str) -> NDArray[np.int64]:
+        """Points of an edge.
+
+        Raises
+        ------
+        ValueError
+            If the surface is closed there.
+        """
+        if name not in self.edges:
+            raise ValueError(
+                f"there is no edge {name}: the surface is closed in that direction, so that its start "
+                f"and its end are one line inside it; the edges are {', '.join(self.edges) or 'none'}"
+            )
+        return self.edges[name]
 
 
-def edge_points(rows: int, columns: int) -> dict[str, NDArray[np.int64]]:
-    """Numbers of the grid points on each edge of a ``rows`` x ``columns`` grid, by edge name."""
+def edge_points(
+    rows: int, columns: int, closed: Closed = (False, False)
+) -> dict[str, NDArray[np.int64]]:
+    """Numbers of the grid points on each edge of a ``rows`` x ``columns`` grid, by edge name.
+
+    Edges of a closed direction are left out, and the second copy of a seam's points with them.
+    """
     grid = np.arange(rows * columns).reshape(rows, columns)
-    return dict(zip(EDGES, (grid[0], grid[-1], grid[:, 0], grid[:, -1]), strict=True))
+    grid = grid[: rows - closed[0], : columns - closed[1]]
+    lines = zip(EDGES, (grid[0], grid[-1], grid[:, 0], grid[:, -1]), strict=True)
+    return {name: points for name, points in lines if not closed[SIDES[name][0]]}
 
 
-def collocate(patch: Patch) -> CollocationOperators:
+def collocate(
+    patch: Patch, diffusivity: Diffusivity = isotropic, closed: Closed | None = None
+) -> CollocationOperators:
     """Operators of a patch at the tensor grid of its Greville points (eqs. 69-77).
 
     The geometry enters by the frame alone and is exact for rational patches too. The fields are
     polynomial splines N_i M_j over the same parameters in either case: they need no weights, and every
     map from collocation points elsewhere is a tensor product.
+
+    Parameters
+    ----------
+    patch
+        Surface and mesh: any degree from 2 on, any C1 knots.
+    diffusivity
+        Tensor field of the tissue.
+    closed
+        Whether each direction runs into itself, as around a tube; none: where its two edges coincide.
 
     Raises
     ------
@@ -69,7 +119,9 @@ def collocate(patch: Patch) -> CollocationOperators:
                 f"collocation needs C1 splines of degree 2 or more; direction {direction} has "
                 f"degree {space.degree} and continuity C{space.continuity}"
             )
+    closed = closed_directions(patch) if closed is None else closed
     first, second = patch.first.greville(), patch.second.greville()
+    shape = first.size, second.size
     frame = frame_on_grid(patch, first, second)
     n1 = [sparse.csr_array(patch.first.evaluate(first, k)) for k in range(3)]
     n2 = [sparse.csr_array(patch.second.evaluate(second, k)) for k in range(3)]
@@ -77,36 +129,43 @@ def collocate(patch: Patch) -> CollocationOperators:
     def derivative(k1: int, k2: int) -> sparse.csr_array:
         return sparse.csr_array(sparse.kron(n1[k1], n2[k2], format="csr"))
 
-    def weighted(weight: Array, operator: sparse.csr_array) -> sparse.csr_array:
-        return sparse.csr_array(sparse.diags_array(weight) @ operator)
-
-    gradient = (derivative(1, 0), derivative(0, 1))
-    metric = frame.metric_con
-    drift = np.einsum("pab,pcab->pc", metric, frame.christoffel)
+    values, gradient = derivative(0, 0), (derivative(1, 0), derivative(0, 1))
+    tensor = diffusivity(frame)
+    d = tensor.components
+    drift = np.einsum("pab,pcab->pc", d, frame.christoffel) - tensor.divergence
     laplacian = (
-        weighted(metric[:, 0, 0], derivative(2, 0))
-        + weighted(2.0 * metric[:, 0, 1], derivative(1, 1))
-        + weighted(metric[:, 1, 1], derivative(0, 2))
+        weighted(d[:, 0, 0], derivative(2, 0))
+        + weighted(2.0 * d[:, 0, 1], derivative(1, 1))
+        + weighted(d[:, 1, 1], derivative(0, 2))
         - weighted(drift[:, 0], gradient[0])
         - weighted(drift[:, 1], gradient[1])
     )
-    edges = edge_points(patch.first.size, patch.second.size)
-    flux = sparse.csr_array((patch.size, patch.size))
-    for name, (direction, sign) in zip(EDGES, ((0, -1), (0, 1), (1, -1), (1, 1)), strict=True):
-        on_edge = np.zeros(patch.size)
-        on_edge[edges[name]] = sign
-        for other in (0, 1):  # n = sign h^d / |h^d| is normal to the edge, tangent to the surface
-            weight = on_edge * metric[:, direction, other]
-            weight /= np.sqrt(metric[:, direction, direction])
-            flux = flux + weighted(weight, gradient[other])
+    lines = edge_points(*shape)
     interior = np.ones(patch.size, dtype=bool)
-    for points in edges.values():
-        interior[points] = False
+    flux = sparse.csr_array((patch.size, patch.size))
+    for name, (direction, sign) in SIDES.items():
+        interior[lines[name]] = False
+        on_edge = np.zeros(shape)
+        on_edge.ravel()[lines[name]] = sign
+        if not closed[direction] and closed[1 - direction]:
+            np.moveaxis(on_edge, direction, 0)[:, [0, -1]] *= 0.5  # two copies of one corner
+        for other in (0, 1):  # n = sign h^d / |h^d| is normal to the edge, tangent to the surface
+            weight = on_edge.ravel() * d[:, direction, other]
+            weight /= np.sqrt(frame.metric_con[:, direction, direction])
+            flux = flux + weighted(weight, gradient[other])
     return CollocationOperators(
-        derivative(0, 0),
+        values,
         sparse.csr_array(laplacian),
-        sparse.csr_array(flux),
+        join_seams(flux, values, shape, closed),
         interior,
-        edges,
+        edge_points(*shape, closed),
         frame,
+        tensor,
+        closed,
+        shape,
     )
+
+
+def weighted(weight: Array, operator: sparse.csr_array) -> sparse.csr_array:
+    """Rows of an operator times one number each."""
+    return sparse.csr_array(sparse.diags_array(weight) @ operator)

@@ -179,12 +179,15 @@ def test_a_layer_without_material_is_refused() -> None:
         build_shell(films.flat((2, 2)), films.two_layers(), {"substrate": films.PDMS})
 
 
-def test_fibres_normal_to_the_film_are_refused() -> None:
-    patch = films.flat((2, 2))
-    upright = patch.control_points[..., [2, 1, 0]]
-    turned = type(patch)(patch.first, patch.second, upright)
-    with pytest.raises(ValueError, match="stand normal to the film"):
-        films.shell(turned, films.two_layers(angle=0.0))
+@pytest.mark.parametrize("angle", [0.0, 30.0])
+def test_turning_a_film_in_space_takes_its_fibres_along(angle: float) -> None:
+    """Fibres are counted from the film's own X, so that a film may stand upright or be rolled up."""
+    patch = films.arched((3, 2))
+    upright = patch.with_net(patch.control_points[..., [2, 0, 1]])
+    lying, standing = (films.shell(p, films.two_layers(angle=angle)) for p in (patch, upright))
+    for a, b in zip(lying.layers, standing.layers, strict=True):
+        # the same products in another order
+        np.testing.assert_allclose(a.reference, b.reference, rtol=1e-12, atol=1e-14)
 
 
 def test_the_mass_matrix_is_the_integral_of_products_of_the_functions(body: Shell) -> None:

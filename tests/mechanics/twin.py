@@ -109,9 +109,11 @@ def _point(
     inverse = np.linalg.inv(c)
     j = np.linalg.det(c) / np.linalg.det(metric)
     angle = np.deg2rad(layer.fibre_angle)
-    f = np.array([np.cos(angle), np.sin(angle), 0.0])
-    f = f - (reference.normal @ f)[:, None] * reference.normal
-    f /= np.linalg.norm(f, axis=1)[:, None]
+    a1, a2 = reference.tangents[:, 0], reference.tangents[:, 1]
+    a1 = a1 / np.linalg.norm(a1, axis=1)[:, None]
+    square = a2 - np.einsum("px,px->p", a1, a2)[:, None] * a1  # Gram-Schmidt
+    square /= np.linalg.norm(square, axis=1)[:, None]
+    f = np.cos(angle) * a1 + np.sin(angle) * square
     up = np.einsum("pab,pbx,px->pa", con, g, f)
     ff = np.einsum("pa,pb->pab", up, up)
     t, i4 = np.einsum("pab,pab->p", con, c), np.einsum("pab,pab->p", ff, c)

@@ -12,6 +12,7 @@ from stages.artefacts import Laminate, Layer
 from stages.mechanics.materials.base import Material
 from stages.mechanics.shell.kinematics import Frames
 from stages.numerics.bsplines import Array
+from stages.numerics.fibres import turned_direction
 from stages.numerics.quadrature import gauss
 from stages.numerics.surface_geometry import SurfaceFrame
 
@@ -70,7 +71,7 @@ def points_through(
     Raises
     ------
     ValueError
-        If a layer has no material, no thickness, or fibres along the normal.
+        If a layer has no material or no thickness.
     """
     if not laminate.layers:
         raise ValueError("the laminate has no layers: give at least one")
@@ -97,23 +98,11 @@ def points_through(
 
 
 def fibre_direction(layer: Layer, reference: Frames | SurfaceFrame) -> Array:
-    """f0: the direction at ``fibre_angle`` from X in the X-Y plane, projected on the film, unit.
+    """f0: unit tangents at ``fibre_angle`` from the direction in which X runs along the film.
 
-    Raises
-    ------
-    ValueError
-        If the fibres would stand normal to the film somewhere.
+    The tissue conducts along the same ones (:mod:`stages.numerics.fibres`).
     """
-    angle = np.deg2rad(layer.fibre_angle)
-    straight = np.array([np.cos(angle), np.sin(angle), 0.0])
-    projected = straight - (reference.normal @ straight)[:, None] * reference.normal
-    length = np.linalg.norm(projected, axis=1)
-    if np.any(length < 1e-6):
-        raise ValueError(
-            f"the fibres of layer {layer.name!r} at {layer.fibre_angle:g} degrees stand normal to "
-            f"the film: choose an angle that has a direction in its tangent plane"
-        )
-    return np.asarray(projected / length[:, None])
+    return turned_direction(reference.tangents, reference.normal, layer.fibre_angle)
 
 
 def surface_density(layers: tuple[LayerPoints, ...]) -> float:
