@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from stages.electrophysiology.cell_models.aliev_panfilov import AlievPanfilov
-from stages.electrophysiology.config import EdgeFlux, ElectrophysiologyConfig
+from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.stimuli.edge_flux import EdgeFlux
 from stages.electrophysiology.tension_laws.goektepe_kuhl import GoektepeKuhl
 
 CELL = AlievPanfilov(

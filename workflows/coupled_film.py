@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from stages.activation.config import ActivationConfig, TransferConfig
 from stages.configuration import Section
-from stages.electrophysiology.config import ElectrophysiologyConfig, PatchCurrent
+from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
@@ -25,6 +25,7 @@ from workflows.film_checks import (
     extent,
     interval,
     places_off_the_film,
+    stimuli_off_the_film,
     unusable_layers,
 )
 from workflows.tables import exact
@@ -62,18 +63,7 @@ def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     yield from places_off_the_film(film, measured)
     yield from unusable_layers(film, config.mechanics)
     yield from acting_off_the_film(film, config.mechanics)
-    for stimulus in config.electrophysiology.stimuli:
-        if isinstance(stimulus, PatchCurrent) and not (
-            stimulus.x[0] >= 0
-            and stimulus.x[1] <= film.length
-            and stimulus.y[0] >= 0
-            and stimulus.y[1] <= film.width
-        ):
-            yield (
-                "electrophysiology.stimuli: the stimulated rectangle "
-                f"{interval(stimulus.x)} x {interval(stimulus.y)} mm reaches outside the film "
-                f"{extent(film)}"
-            )
+    yield from stimuli_off_the_film(film, config.electrophysiology)
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 
+from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.geometry.config import FilmConfig
 from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
@@ -54,6 +55,13 @@ def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
         for label, table in tables.items():
             place = getattr(table, "position", None) or (0.0, 0.0)
             yield from _off_the_film(f"mechanics.{section}.{label}.position", place, film)
+
+
+def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
+    """Stimuli, or parts of them, that do not lie on the film."""
+    for i, stimulus in enumerate(cells.stimuli):
+        for problem in stimulus.off_the_film(film.length, film.width):
+            yield f"electrophysiology.stimuli.{i}: {problem}"
 
 
 def _off_the_film(name: str, place: tuple[float, float], film: FilmConfig) -> Iterator[str]:

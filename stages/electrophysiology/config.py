@@ -2,49 +2,16 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.configuration import Count, Edge, OneOf, Section, quantity, setting, unkeyed
+from stages.configuration import Count, OneOf, Section, quantity, setting, unkeyed
 from stages.electrophysiology.cell_models.base import CellModel
+from stages.electrophysiology.stimuli.base import AnyStimulus
+from stages.electrophysiology.stimulus_library import with_named_stimuli
 from stages.electrophysiology.tension_laws.base import TensionLaw
-
-
-class EdgeFlux(Section):
-    """Current flux through one edge of the film, for a while (eqs. 8, 78)."""
-
-    kind: Literal["edge-flux"] = "edge-flux"
-    edge: Edge = setting("edge that is stimulated", "sec. 4.3")
-    start: float = quantity("ms", "time at which the stimulus begins", "sec. 4.3", ge=0)
-    duration: float = quantity("ms", "length of the stimulus", "sec. 4.3", gt=0)
-    flux: float = quantity("nF*mV/ms/mm", "inward flux I_n = n . D grad v", "sec. 4.3")
-
-
-class PatchCurrent(Section):
-    """Current applied to a rectangle of the film, by X and Y, for a while (eqs. 8, 73)."""
-
-    kind: Literal["patch-current"]
-    x: tuple[float, float] = quantity("mm", "extent along X", "eq. 8")
-    y: tuple[float, float] = quantity("mm", "extent along Y", "eq. 8")
-    start: float = quantity("ms", "time at which the stimulus begins", "eq. 8", ge=0)
-    duration: float = quantity("ms", "length of the stimulus", "eq. 8", gt=0)
-    current: float = quantity("nF*mV/ms/mm^2", "applied current I_app", "eq. 8")
-
-    @model_validator(mode="after")
-    def _extents_increase(self) -> PatchCurrent:
-        for axis in ("x", "y"):
-            low, high = getattr(self, axis)
-            if not low < high:
-                raise PydanticCustomError(
-                    "extent", "{axis} must run from a smaller to a larger value", {"axis": axis}
-                )
-        return self
-
-
-Stimulus = Annotated[EdgeFlux | PatchCurrent, Field(discriminator="kind")]
 
 
 class ElectrophysiologyConfig(Section):
@@ -84,10 +51,10 @@ class ElectrophysiologyConfig(Section):
     tension_law: Annotated[
         TensionLaw, OneOf("stages.electrophysiology.tension_laws", TensionLaw)
     ] = setting("tension law by name, with its parameters", "eqs. 97-98")
-    stimuli: tuple[Stimulus, ...] = setting(
+    stimuli: tuple[AnyStimulus, ...] = setting(
         "stimuli that are applied: names from the library, or tables", "sec. 4.3"
     )
-    stimulus_library: dict[str, Stimulus] = unkeyed(
+    stimulus_library: dict[str, AnyStimulus] = unkeyed(
         "named stimuli that `stimuli` may refer to", default_factory=dict
     )
 
@@ -95,30 +62,16 @@ class ElectrophysiologyConfig(Section):
     @classmethod
     def _look_up_stimuli(cls, data: Any) -> Any:
         """Replace names in ``stimuli`` by their tables in ``stimulus_library``."""
-        if not isinstance(data, dict):
-            return data
-        library = data.get("stimulus_library") or {}
-        chosen = data.get("stimuli")
-        if isinstance(chosen, str):
-            names = chosen.strip().removeprefix("[").removesuffix("]").split(",")
-            chosen = [name.strip() for name in names if name.strip()]
-        if not isinstance(chosen, list | tuple) or not isinstance(library, dict):
-            return data
-        for name in chosen:
-            if isinstance(name, str) and name not in library:
-                near = get_close_matches(name, library, n=1, cutoff=0.3)
+        return with_named_stimuli(data)
+
+    @model_validator(mode="after")
+    def _stimuli_lie_in_the_run(self) -> ElectrophysiologyConfig:
+        for i, stimulus in enumerate(self.stimuli):
+            for problem in stimulus.outside_the_run(self.duration):
                 raise PydanticCustomError(
-                    "unknown_stimulus",
-                    "stimuli: no stimulus is called {name}{hint}; the library holds: {allowed}",
-                    {
-                        "name": repr(name),
-                        "hint": f" (did you mean {near[0]!r}?)" if near else "",
-                        "allowed": ", ".join(library) or "nothing",
-                    },
+                    "stimulus", "stimuli.{i}: {problem}", {"i": i, "problem": problem}
                 )
-        return data | {
-            "stimuli": tuple(library[item] if isinstance(item, str) else item for item in chosen)
-        }
+        return self
 
     @model_validator(mode="after")
     def _angle_has_a_meaning(self) -> ElectrophysiologyConfig:

@@ -17,7 +17,7 @@ from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.reaction import Clock, compile_reaction, ionic_current_of
 from stages.electrophysiology.separable import separable_diffusion
 from stages.electrophysiology.separable_stepper import SeparableStepper
-from stages.electrophysiology.stimuli import sources
+from stages.electrophysiology.sources import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
 from stages.numerics.collocation import collocate
 from stages.numerics.diffusivity import Diffusivity, along_fibres, isotropic
@@ -41,7 +41,7 @@ def build(
         Clock(config.step, config.activation_threshold),
         config.membrane_capacitance,
         config.conductivity,
-        sources(config.stimuli, operators),
+        sources(config.stimuli, patch),
         compile_reaction(config.cell_model, config.tension_law),
         (config.cell_model.constants(), config.tension_law.constants()),
     )

@@ -10,7 +10,7 @@ from scipy.linalg import eig
 from scipy.sparse.linalg import splu
 
 from stages.electrophysiology.diffusion import system_matrix
-from stages.electrophysiology.stimuli import Source
+from stages.electrophysiology.sources import Source
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.collocation import CollocationOperators
 from stages.numerics.patches import Patch

@@ -113,14 +113,14 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
                 flat[i] = before * ionic_before[i] - now * ionic[i]
             for s in range(on.shape[1]):
                 weight = 0.5 * step * (on[k, s] + on[k + 1, s])
-                if weight > 0.0:
+                if weight != 0.0:
                     for a in range(m1):
                         for b in range(m2):
                             residual[a, b] += weight * applied[s, a, b]
             np.dot(from1, residual, half)
             np.dot(half, from2, source)
             for s in range(on.shape[1]):
-                if on[k, s] > 0.0:
+                if on[k, s] != 0.0:
                     for a in range(modes.shape[0]):
                         for b in range(modes.shape[1]):
                             source[a, b] += on[k, s] * lift_modes[s, a, b]
@@ -130,7 +130,7 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
             np.dot(to1, modes, wide)
             np.dot(wide, to2, new)
             for s in range(on.shape[1]):
-                if on[k + 1, s] > 0.0:
+                if on[k + 1, s] != 0.0:
                     for i in range(points):
                         new_flat[i] += on[k + 1, s] * lifts[s, i]
             for i in range(points):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from stages.electrophysiology.reaction import Cells, Clock, Reaction
-from stages.electrophysiology.stimuli import Source
+from stages.electrophysiology.sources import Source
 from stages.numerics.bsplines import Array
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,6 +27,12 @@ class Patch:
         Shape ``(m1, m2, 3)``, mm.
     weights
         All > 0, shape ``(m1, m2)``; none: a polynomial patch.
+    closed
+        Directions in which the patch closes to a tube: its two edges are one line, the seam, across
+        which it is smooth.
+    extent
+        Length and width in mm that the film's own coordinates X and Y run over
+        (:class:`~stages.numerics.film_lengths.FilmLengths`); none: the patch's own lengths.
 
     Raises
     ------
@@ -42,6 +48,8 @@ class Patch:
     second: SplineSpace
     control_points: Array = field(metadata={"unit": "mm", "axes": ("row", "column", "xyz")})
     weights: Array | None = field(default=None, metadata={"axes": ("row", "column")})
+    closed: tuple[bool, bool] = (False, False)
+    extent: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         net = np.asarray(self.control_points, dtype=float)
@@ -163,13 +171,16 @@ class Patch:
             return np.einsum("ai,bj,ijx->abx", embed1, embed2, net, optimize=True)
 
         if self.weights is None:
-            return Patch(*finer, embed(self.control_points))
-        net = embed(homogeneous(self.control_points, self.weights))
-        return Patch(*finer, net[..., :3] / net[..., 3:], net[..., 3])
+            net, weights = embed(self.control_points), None
+        else:
+            lifted = embed(homogeneous(self.control_points, self.weights))
+            net, weights = lifted[..., :3] / lifted[..., 3:], lifted[..., 3]
+        first, second = finer
+        return replace(self, first=first, second=second, control_points=net, weights=weights)
 
     def with_net(self, control_points: Array) -> Patch:
         """Patch over the same functions with other control points, shape ``(m1, m2, 3)``."""
-        return Patch(self.first, self.second, control_points, self.weights)
+        return replace(self, control_points=control_points)
 
     def interpolate(self, points: Array) -> Patch:
         """Patch over the same functions through ``points`` (m1 * m2, 3) at the Greville parameters.

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from stages.artefacts import ExcitableSurface
-from stages.electrophysiology.config import EdgeFlux, PatchCurrent
 from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.monodomain import build
 from stages.electrophysiology.separable import is_separable
 from stages.electrophysiology.separable_stepper import SeparableStepper
 from stages.electrophysiology.stage import electrophysiology
+from stages.electrophysiology.stimuli.edge_flux import EdgeFlux
+from stages.electrophysiology.stimuli.patch_current import PatchCurrent
 from stages.electrophysiology.tissue import TissueState, UnstableSolutionError
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import collocate
@@ -110,7 +111,6 @@ def test_the_scheme_is_second_order_in_time() -> None:
         (EdgeFlux(edge="Y=L2", start=1.0, duration=3.0, flux=-1.5), S1),
         (
             PatchCurrent(
-                kind="patch-current",
                 x=(1.0, 2.5),
                 y=(0.5, 1.2),
                 start=0.5,
@@ -239,9 +239,7 @@ def test_a_solution_that_is_finite_raises_nothing() -> None:
     advance(film(), 200).check_finite(0.05)
 
 
-def test_a_rectangle_without_points_is_refused() -> None:
-    nowhere = PatchCurrent(
-        kind="patch-current", x=(9.0, 9.5), y=(0, 1), start=0, duration=1, current=1
-    )
-    with pytest.raises(ValueError, match="holds no collocation point"):
+def test_a_rectangle_beside_the_film_is_refused() -> None:
+    nowhere = PatchCurrent(x=(9.0, 9.5), y=(0, 1), start=0, duration=1, current=1)
+    with pytest.raises(ValueError, match="lies beside the film"):
         build(electrophysiology_config(stimuli=(nowhere,)), film())

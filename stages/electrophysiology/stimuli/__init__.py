@@ -1,0 +1,1 @@
+"""Kinds of stimuli, one per file, picked by ``kind``."""
