@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from pipeline.config import load
 from stages.electrophysiology.point_cells import PointCells, disc_below
 from stages.electrophysiology.sources import Source, sources
 from stages.electrophysiology.stimuli.base import AnyStimulus, Stimulus
@@ -28,6 +25,7 @@ from stages.time_laws.smooth_pulse import SmoothPulse
 from stages.time_laws.table import Table
 from tests.paper import S1, electrophysiology_config
 from workflows.coupled_film import CoupledFilmConfig
+from workflows.request import Request
 
 LENGTH, WIDTH = 3.5, 2.0
 ONCE: dict[str, Any] = {"start": 1.0, "duration": 5.0}
@@ -235,8 +233,9 @@ def test_what_lies_off_the_film_is_told(stimulus: Stimulus, message: str) -> Non
 
 
 def test_a_stimulus_of_the_library_can_be_changed_in_place() -> None:
-    path = Path(__file__).parents[2] / "workflows/parameters/planar-waves.toml"
-    layer = tomllib.loads(path.read_text(encoding="utf-8"))
-    config = load(CoupledFilmConfig, [layer], ["electrophysiology.stimuli.1.start=300"])
+    config = Request.read(
+        "planar-waves", overrides=["electrophysiology.stimuli.1.start=300"]
+    ).config
+    assert isinstance(config, CoupledFilmConfig)
     first, second = config.electrophysiology.stimuli
     assert (first.start, second.start, second.duration) == (0.0, 300.0, 5.0)

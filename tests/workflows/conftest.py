@@ -15,7 +15,7 @@ from workflows.cli import app
 SMALL = """
 # The paper's film on coarse meshes for 60 ms. A conductivity 25 times as large makes the front five
 # times as fast and as wide, so that it crosses the film on this mesh in this time; the flux that
-# excites the tissue grows by five, too.
+# excites the tissue grows by five, too. S2 comes while the tissue is refractory.
 [electrophysiology]
 elements = [28, 6]
 n_steps = 1200
@@ -24,6 +24,9 @@ conductivity = 0.05
 
 [electrophysiology.stimulus_library.S1]
 flux = 10.0
+
+[electrophysiology.stimulus_library.S2]
+start = 30.0
 
 [mechanics]
 elements = [6, 3]
