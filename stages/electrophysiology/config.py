@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, Section, quantity, setting, unkeyed
 from stages.electrophysiology.cell_models.base import CellModel
+from stages.electrophysiology.schemes.base import Scheme
 from stages.electrophysiology.stimuli.base import AnyStimulus
 from stages.electrophysiology.stimulus_library import with_named_stimuli
 from stages.electrophysiology.tension_laws.base import TensionLaw
@@ -51,6 +52,9 @@ class ElectrophysiologyConfig(Section):
     tension_law: Annotated[
         TensionLaw, OneOf("stages.electrophysiology.tension_laws", TensionLaw)
     ] = setting("tension law by name, with its parameters", "eqs. 97-98")
+    scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
+        "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
+    )
     stimuli: tuple[AnyStimulus, ...] = setting(
         "stimuli that are applied: names from the library, or tables", "sec. 4.3"
     )

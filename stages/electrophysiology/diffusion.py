@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
+from stages.electrophysiology.tissue import Problem
 from stages.numerics.collocation import CollocationOperators
 
 
@@ -24,23 +25,22 @@ class SparseDiffusion:
     values: sparse.csr_array
 
 
-def system_matrix(
-    operators: CollocationOperators, diffusivity: float, step: float
-) -> sparse.csc_array:
+def system_matrix(problem: Problem, operators: CollocationOperators) -> sparse.csc_array:
     """A of eq. 83 over C_m: N - c Lap inside, n.grad on the boundary (eq. 76 over D)."""
-    inside = sparse.diags_array(operators.interior.astype(float))
-    matrix = inside @ (operators.values - 0.5 * step * diffusivity * operators.laplacian)
-    return sparse.csc_array(matrix + operators.flux)
+    return sparse.csc_array(_half_step(problem, operators, -1.0) + operators.flux)
 
 
-def sparse_diffusion(
-    operators: CollocationOperators, diffusivity: float, step: float
-) -> SparseDiffusion:
-    """Solver for any patch. ``diffusivity`` is D/C_m in mm^2/ms, ``step`` in ms."""
-    inside = sparse.diags_array(operators.interior.astype(float))
-    explicit = inside @ (operators.values + 0.5 * step * diffusivity * operators.laplacian)
+def sparse_diffusion(problem: Problem, operators: CollocationOperators) -> SparseDiffusion:
+    """Solver for any patch."""
     return SparseDiffusion(
-        splu(system_matrix(operators, diffusivity, step)),
-        sparse.csr_array(explicit),
+        splu(system_matrix(problem, operators)),
+        _half_step(problem, operators, 1.0),
         operators.values,
     )
+
+
+def _half_step(problem: Problem, operators: CollocationOperators, sign: float) -> sparse.csr_array:
+    """N + sign c Lap in interior rows, zero in boundary rows."""
+    inside = sparse.diags_array(operators.interior.astype(float))
+    c = 0.5 * problem.clock.step * problem.diffusivity
+    return sparse.csr_array(inside @ (operators.values + sign * c * operators.laplacian))

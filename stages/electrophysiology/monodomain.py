@@ -1,22 +1,11 @@
-"""The monodomain problem in time: Crank-Nicolson, Adams-Bashforth and Runge-Kutta (sec. 3.4).
-
-One step from t_i to t_(i+1):
-
-1. the potential by CN for diffusion and AB2 for the ionic current (AB1 at the first step), eqs. 82-84
-   with I_ion entering by -3/2 dt I_i + 1/2 dt I_(i-1);
-2. states of the cells and active stress at every collocation point by RK4, v linear over the step.
-"""
+"""The monodomain problem in time (sec. 3.4): its stepper, by the scheme chosen, and the state at rest."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.diffusion import sparse_diffusion
-from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.reaction import Clock, compile_reaction, ionic_current_of
-from stages.electrophysiology.separable import separable_diffusion
-from stages.electrophysiology.separable_stepper import SeparableStepper
 from stages.electrophysiology.sources import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
 from stages.numerics.collocation import collocate
@@ -45,19 +34,7 @@ def build(
         compile_reaction(config.cell_model, config.tension_law),
         (config.cell_model.constants(), config.tension_law.constants()),
     )
-    diffusivity = config.conductivity / config.membrane_capacitance
-    fast = None
-    if not general:
-        fast = separable_diffusion(
-            patch, operators, problem.sources, diffusivity, config.conductivity, config.step
-        )
-    stepper: Stepper
-    if fast is None:
-        stepper = GeneralStepper(
-            problem, sparse_diffusion(operators, diffusivity, config.step), operators
-        )
-    else:
-        stepper = SeparableStepper(problem, fast, operators)
+    stepper = config.scheme.stepper(problem, patch, operators, general)
     return stepper, rest(config, stepper, patch.size)
 
 

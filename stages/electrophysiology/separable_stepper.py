@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stages.electrophysiology.modes import Factors, multiply
 from stages.electrophysiology.separable import SeparableDiffusion
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
@@ -22,8 +23,8 @@ class System(NamedTuple):
     to2: Array
     from1: Array
     from2: Array
-    keep: Array
-    gain: Array
+    keep: Factors
+    gain: Factors
     lifts: Array
     lift_modes: Array
     applied: Array
@@ -42,20 +43,15 @@ class SeparableStepper:
         applied = problem.applied(inside).reshape(len(problem.sources), *self.shape)
         self.block = compile_block(problem.reaction.advance)
         self.system = System(
-            *map(
-                np.ascontiguousarray,
-                (
-                    first.to_points,
-                    second.to_points.T,
-                    first.from_points,
-                    second.from_points.T,
-                    diffusion.keep,
-                    diffusion.gain,
-                    diffusion.lifts,
-                    diffusion.lift_modes,
-                    applied,
-                ),
-            )
+            np.ascontiguousarray(first.to_points),
+            np.ascontiguousarray(second.to_points.T),
+            np.ascontiguousarray(first.from_points),
+            np.ascontiguousarray(second.from_points.T),
+            diffusion.keep,
+            diffusion.gain,
+            diffusion.lifts,
+            diffusion.lift_modes,
+            applied,
         )
 
     def diffusion_state(self, potential: Array) -> Array:
@@ -103,6 +99,7 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
         flat = residual.reshape(points)
         half = np.empty((from1.shape[0], m2))
         source = np.empty_like(modes)
+        kept = np.empty_like(modes)
         wide = np.empty((m1, to2.shape[0]))
         new = np.empty((m1, m2))
         new_flat = new.reshape(points)
@@ -124,9 +121,11 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
                     for a in range(modes.shape[0]):
                         for b in range(modes.shape[1]):
                             source[a, b] += on[k, s] * lift_modes[s, a, b]
+            multiply(keep, modes, kept)
+            multiply(gain, source, modes)
             for a in range(modes.shape[0]):
                 for b in range(modes.shape[1]):
-                    modes[a, b] = keep[a, b] * modes[a, b] + gain[a, b] * source[a, b]
+                    modes[a, b] += kept[a, b]
             np.dot(to1, modes, wide)
             np.dot(wide, to2, new)
             for s in range(on.shape[1]):

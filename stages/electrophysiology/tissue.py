@@ -92,6 +92,17 @@ class Problem:
         columns = [source.amplitude(times) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps + 1, 0))
 
+    def means(self, first: int, steps: int) -> Array:
+        """Mean of each stimulus' factor over each of the steps after ``first``, ``(steps, stimulus)``."""
+        times = np.arange(first, first + steps + 1, dtype=float) * self.clock.step
+        columns = [source.mean(times[:-1], times[1:]) for source in self.sources]
+        return np.stack(columns, axis=1) if columns else np.zeros((steps, 0))
+
+    @property
+    def diffusivity(self) -> float:
+        """D/C_m, mm^2/ms."""
+        return self.conductivity / self.capacitance
+
     def applied(self, inside: Array) -> Array:
         """I_app/C_m of each stimulus at interior points, mV/ms, shape ``(stimulus, point)``.
 

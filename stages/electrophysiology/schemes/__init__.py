@@ -1,0 +1,1 @@
+"""Schemes in time, one per file, picked by name."""
