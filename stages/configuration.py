@@ -62,7 +62,8 @@ class OneOf:
     """Annotation for a model that is picked by its ``name`` from a folder of one-file models.
 
     Where tables call it otherwise, ``tag`` says how: ``kind`` for supports and loads, whose names are
-    the labels that the user gives them.
+    the labels that the user gives them. ``library`` names the field beside it that holds named sets of
+    parameters; the name of a set, and a table with that name and some parameters, then do as well.
 
     ``Annotated[Material, OneOf("stages.mechanics.materials", Material)]`` accepts an instance of
     ``Material`` or a table ``{"name": "neo-hookean", ...}``. The file ``neo_hookean.py`` of that
@@ -70,10 +71,13 @@ class OneOf:
     one new file, and a stage's code fingerprint covers the chosen model alone.
     """
 
-    def __init__(self, package: str, base: type[Section], tag: str = "name") -> None:
+    def __init__(
+        self, package: str, base: type[Section], tag: str = "name", library: str | None = None
+    ) -> None:
         self.package = package
         self.base = base
         self.tag = tag
+        self.library = library
 
     def names(self) -> list[str]:
         """Names on offer, in alphabetical order."""

@@ -26,7 +26,7 @@ class Entry:
     shared: tuple[str, ...] = ()
 
 
-FILM_WITH_CELLS = ("tissue", "coupled-film")
+FILM_WITH_CELLS = ("cells", "tissue", "coupled-film")
 """Parameter files of the experiments of section 4.3."""
 
 ENTRIES = (

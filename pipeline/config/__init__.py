@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from pipeline.config.layers import merged, overridden, read_toml
+from pipeline.config.libraries import expanded
 from pipeline.config.parameters import Parameter, describe
 from pipeline.config.problems import told
 from pipeline.config.quantities import converted
@@ -45,8 +46,9 @@ def load(model: type[M], layers: Sequence[Mapping[str, Any]], overrides: Sequenc
     InputError
         Naming every problem: field, value, what is allowed, the nearest valid name.
     """
-    data = overridden(merged(layers), overrides)
-    data, problems = converted(model, data)
+    data, problems = expanded(model, overridden(merged(layers), overrides))
+    data, unread = converted(model, data)
+    problems |= unread
     try:
         config = model.model_validate(data)
     except ValidationError as error:

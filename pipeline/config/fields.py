@@ -17,11 +17,13 @@ from pipeline.annotations import item_hints
 class Choice(Protocol):
     """Annotation of a field whose model is picked by name, such as ``OneOf``.
 
-    ``tag`` is the key of a table that holds the name.
+    ``tag`` is the key of a table that holds the name; ``library`` that of the table, beside the field,
+    whose named sets of parameters may be chosen too.
     """
 
     package: str
     tag: str
+    library: str | None
 
     def names(self) -> list[str]:
         """Names on offer."""

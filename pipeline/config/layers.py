@@ -56,8 +56,9 @@ def overridden(data: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, A
         names, value = _parsed(override)
         table = layer
         for name in names[:-1]:
-            if not isinstance(table.get(name), dict):
-                table[name] = {}
+            above = table.get(name)
+            if not isinstance(above, dict):  # a model given by its name alone keeps it
+                table[name] = {"name": above} if isinstance(above, str) else {}
             table = table[name]
         table[names[-1]] = value
     return _merge_tables(data, layer)

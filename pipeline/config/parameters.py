@@ -29,10 +29,14 @@ def describe(config: BaseModel) -> list[Parameter]:
 
 def _model_rows(model: BaseModel, path: str, choice: Choice | None = None) -> Iterator[Parameter]:
     """Rows of a model; ``choice`` tells what else its name could have been."""
+    libraries = {one.library for _, field in fields_of(type(model)) if (one := field.any_choice())}
     for name, declared in fields_of(type(model)):
         if choice is not None and name == choice.tag:
             declared = replace(declared, description=offer(choice))
-        yield from _rows(getattr(model, name), declared, f"{path}.{name}".lstrip("."))
+        value = getattr(model, name)
+        if name in libraries:  # of many sets one is in use; its values stand with the choice
+            value, declared = list(value), replace(declared, hint=list[str])
+        yield from _rows(value, declared, f"{path}.{name}".lstrip("."))
 
 
 def _rows(value: Any, declared: Declared, path: str) -> Iterator[Parameter]:

@@ -89,10 +89,10 @@ def _head(place: Place, item: ErrorDetails) -> str:
     if kind == "unknown_name":
         choice = place.declared.any_choice()
         tag = f".{choice.tag}" if choice and isinstance(value, Mapping) else ""
-        return f"{place.path}{tag} = {_shown(item['ctx']['given'])}: "
+        return f"{place.path}{tag} = {shown(item['ctx']['given'])}: "
     if kind == "missing" or isinstance(value, Mapping | BaseModel):
         return f"{place.path}: "
-    return f"{place.path} = {_shown(value)}: "
+    return f"{place.path} = {shown(value)}: "
 
 
 def _words(place: Place, item: ErrorDetails, root: type[BaseModel]) -> str:
@@ -143,7 +143,7 @@ def _kind(member: Declared, unit: str) -> str:
     if member.choice is not None:
         return f"a table with a {member.choice.tag}, one of: {', '.join(member.choice.names())}"
     if origin is Literal:
-        return f"one of: {', '.join(_shown(value) for value in member.literals())}"
+        return f"one of: {', '.join(shown(value) for value in member.literals())}"
     if origin in KINDS:
         return KINDS[origin][0] + (unit if origin in (int, float) else "")
     if origin in (tuple, list):
@@ -207,7 +207,8 @@ def _item(data: Any, step: int | str) -> Any:
         return None
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value as it stands in a table, cut short."""
     try:
         text = json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError):

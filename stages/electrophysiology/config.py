@@ -7,15 +7,14 @@ from typing import Annotated, Any
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.configuration import Count, OneOf, Section, quantity, setting, unkeyed
-from stages.electrophysiology.cell_models.base import CellModel
+from stages.configuration import Count, OneOf, quantity, setting, unkeyed
+from stages.electrophysiology.cell_config import CellConfig
 from stages.electrophysiology.schemes.base import Scheme
 from stages.electrophysiology.stimuli.base import AnyStimulus
 from stages.electrophysiology.stimulus_library import with_named_stimuli
-from stages.electrophysiology.tension_laws.base import TensionLaw
 
 
-class ElectrophysiologyConfig(Section):
+class ElectrophysiologyConfig(CellConfig):
     """Monodomain problem on the active layer: mesh, time grid, cells, tension, stimuli."""
 
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
@@ -45,13 +44,6 @@ class ElectrophysiologyConfig(Section):
         default=None,
     )
     membrane_capacitance: float = quantity("nF/mm^2", "membrane capacitance C_m", "Table 3", gt=0)
-    initial_potential: float = quantity("mV", "potential at rest v_0", "Table 3")
-    cell_model: Annotated[CellModel, OneOf("stages.electrophysiology.cell_models", CellModel)] = (
-        setting("cell model by name, with its parameters", "eq. 100")
-    )
-    tension_law: Annotated[
-        TensionLaw, OneOf("stages.electrophysiology.tension_laws", TensionLaw)
-    ] = setting("tension law by name, with its parameters", "eqs. 97-98")
     scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
         "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
     )

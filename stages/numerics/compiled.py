@@ -119,6 +119,13 @@ def _compiled_exp(x: float) -> Any:
     return implementation
 
 
+def _compiled_logistic(x: float) -> Any:
+    def implementation(x: float) -> float:
+        return 1.0 / (1.0 + fast_exp(-x))
+
+    return implementation
+
+
 def _compiled_expm1(x: float) -> Any:
     def implementation(x: float) -> float:
         return fast_expm1(x)
@@ -127,4 +134,5 @@ def _compiled_expm1(x: float) -> Any:
 
 
 overload(elementary.exp, jit_options=_INLINED, inline="always")(_compiled_exp)
+overload(elementary.logistic, jit_options=_INLINED, inline="always")(_compiled_logistic)
 overload(elementary.expm1, jit_options=_INLINED, inline="always")(_compiled_expm1)

@@ -20,6 +20,17 @@ def exp(x: float) -> float:
     return math.exp(min(max(x, -708.0), 708.0))
 
 
+def logistic(x: float) -> float:
+    """1/(1 + exp(-x)), which is (1 + tanh(x/2))/2.
+
+    Examples
+    --------
+    >>> logistic(0.0), logistic(1e9), logistic(-1e9) < 1e-300
+    (0.5, 1.0, True)
+    """
+    return 1.0 / (1.0 + exp(-x))
+
+
 def expm1(x: float) -> float:
     """exp(x) - 1 with all digits near x = 0; saturates as :func:`exp` does.
 

@@ -45,6 +45,7 @@ class OneOf:
 
     package = "laws"
     tag = "name"
+    library = None
     laws: dict[str, type[BaseModel]] = {"soft": Soft, "stiff": Stiff}  # noqa: RUF012 - constant
 
     def names(self) -> list[str]:

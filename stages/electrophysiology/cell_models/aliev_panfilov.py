@@ -60,6 +60,10 @@ class AlievPanfilov(CellModel):
         """The recovery variable w."""
         return (self.initial_recovery,)
 
+    def rest_potential(self) -> float:
+        """v* = 0, mV."""
+        return self.potential_rest
+
 
 def ionic_current(v: float, s: tuple[float], p: Constants) -> float:
     """I_ion / C_m = r_v/r_t (k_v v* (v* - a)(v* - 1) + v* w), mV/ms (eqs. 99-100).

@@ -32,6 +32,10 @@ class CellModel(Section):
         """Parameters as the equations read them."""
         raise TypeError(f"{type(self).__name__} does not say its constants")
 
+    def rest_potential(self) -> float:
+        """Potential of a cell at rest, mV."""
+        raise TypeError(f"{type(self).__name__} does not say its potential at rest")
+
     def initial_states(self) -> tuple[float, ...]:
         """The variables ``s`` of a cell at rest."""
         raise TypeError(f"{type(self).__name__} does not say its states at rest")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Self
 
 from stages.configuration import Section
+from stages.electrophysiology.cell_models.base import CellModel
 
 
 class TensionLaw(Section):
@@ -25,6 +26,25 @@ class TensionLaw(Section):
     def constants(self) -> NamedTuple:
         """Parameters as the equation reads them."""
         raise TypeError(f"{type(self).__name__} does not say its constants")
+
+    def for_cells(self, cells: CellModel) -> Self:
+        """The law for certain cells: they say its resting potential ``v_r`` where it was left out."""
+        if "v_r" not in type(self).model_fields or getattr(self, "v_r", None) is not None:
+            return self
+        return self.model_copy(update={"v_r": cells.rest_potential()})
+
+    def resting(self) -> float:
+        """The resting potential ``v_r``, mV.
+
+        Raises
+        ------
+        ValueError
+            If it was left out and no cell has filled it in.
+        """
+        v_r: float | None = getattr(self, "v_r", None)
+        if v_r is None:
+            raise ValueError(f"the tension law {self.name} needs a resting potential v_r")
+        return v_r
 
 
 class LinearTensionLaw(TensionLaw):

@@ -28,7 +28,9 @@ class GoektepeKuhl(LinearTensionLaw):
 
     name: Literal["goektepe-kuhl"] = "goektepe-kuhl"
     k_sigma: float = quantity("kPa/mV", "saturated stress per potential k_sigma", "Table 3", ge=0)
-    v_r: float = quantity("mV", "resting potential v_r", "Table 3")
+    v_r: float | None = quantity(
+        "mV", "resting potential v_r; left out: that of the cells", "Table 3", default=None
+    )
     zeta_0: float = quantity("1/ms", "rate below the switch zeta_0", "Table 3, eq. 98", ge=0)
     zeta_inf: float = quantity("1/ms", "rate above the switch zeta_inf", "Table 3, eq. 98", ge=0)
     xi: float = quantity("1/mV", "steepness of the switch xi_v", "Table 3, eq. 98", gt=0)
@@ -36,7 +38,9 @@ class GoektepeKuhl(LinearTensionLaw):
 
     def constants(self) -> Constants:
         """Parameters as the equation reads them."""
-        return Constants(self.k_sigma, self.v_r, self.zeta_0, self.zeta_inf, self.xi, self.v_bar)
+        return Constants(
+            self.k_sigma, self.resting(), self.zeta_0, self.zeta_inf, self.xi, self.v_bar
+        )
 
 
 def relaxation(v: float, p: Constants) -> tuple[float, float]:
