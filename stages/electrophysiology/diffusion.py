@@ -42,5 +42,5 @@ def sparse_diffusion(problem: Problem, operators: CollocationOperators) -> Spars
 def _half_step(problem: Problem, operators: CollocationOperators, sign: float) -> sparse.csr_array:
     """N + sign c Lap in interior rows, zero in boundary rows."""
     inside = sparse.diags_array(operators.interior.astype(float))
-    c = 0.5 * problem.clock.step * problem.diffusivity
+    c = 0.5 * problem.step * problem.diffusivity
     return sparse.csr_array(inside @ (operators.values + sign * c * operators.laplacian))

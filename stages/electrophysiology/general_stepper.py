@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 
 from stages.electrophysiology.diffusion import SparseDiffusion
+from stages.electrophysiology.events import UNWATCHED, Watch, watch
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import CollocationOperators
@@ -27,10 +28,10 @@ class GeneralStepper:
         """Control values of the potential."""
         return np.asarray(spsolve(self.interpolation.tocsc(), potential), dtype=float)
 
-    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+    def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem, diffusion = self.problem, self.diffusion
-        step, cells = problem.clock.step, state.cells(crossing)
+        step, cells = problem.step, state.cells()
         on = problem.amplitudes(state.steps, steps)
         for k in range(steps):
             now, before = adams_bashforth(state.steps)
@@ -43,7 +44,8 @@ class GeneralStepper:
             potential = diffusion.values @ state.diffusion
             state.ionic_before[:] = state.ionic
             start = state.steps * step
-            problem.reaction.advance(cells, potential, start, problem.clock, *problem.constants)
+            problem.reaction.advance(cells, potential, step, *problem.constants)
+            watch(beats, potential, start, step)
             state.steps += 1
 
 

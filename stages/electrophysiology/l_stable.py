@@ -91,12 +91,12 @@ class LStableDiffusion:
 
 def l_stable_diffusion(problem: Problem, operators: CollocationOperators) -> LStableDiffusion:
     """The step of a problem on a patch, with the responses to its stimuli."""
-    tau, inside = problem.clock.step * problem.diffusivity, operators.interior.astype(float)
+    tau, inside = problem.step * problem.diffusivity, operators.interior.astype(float)
     matrix = sparse.diags_array(inside) @ (operators.values - GAMMA * tau * operators.laplacian)
     solver = splu(sparse.csc_array(matrix + operators.flux))
     points, sources = inside.size, problem.sources
     step = LStableDiffusion(solver, operators.values, inside, tau, np.zeros((0, points)))
-    applied = GAMMA * problem.clock.step * problem.applied(inside)
+    applied = GAMMA * problem.step * problem.applied(inside)
     responses = [
         step(np.zeros(points), source.boundary / problem.conductivity, current)
         for source, current in zip(sources, applied, strict=True)

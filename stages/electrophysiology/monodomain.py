@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.reaction import Clock, compile_reaction, ionic_current_of
+from stages.electrophysiology.reaction import compile_reaction, ionic_current_of
 from stages.electrophysiology.sources import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
 from stages.numerics.collocation import collocate
@@ -27,7 +27,7 @@ def build(
     """
     operators = collocate(patch, diffusivity_of(config))
     problem = Problem(
-        Clock(config.step, config.activation_threshold),
+        config.step,
         config.membrane_capacitance,
         config.conductivity,
         sources(config.stimuli, patch),

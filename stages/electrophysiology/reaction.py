@@ -18,22 +18,13 @@ class Cells(NamedTuple):
     """Arrays over points that the compiled loops advance in place.
 
     ``potential`` mV; ``states`` of the cell model, shape ``(variable, point)``; ``stress`` kPa;
-    ``ionic`` I_ion/C_m at the newest level, mV/ms; ``crossing`` time of an upward crossing of the
-    threshold, ms, else left as it is.
+    ``ionic`` I_ion/C_m at the newest level, mV/ms.
     """
 
     potential: Array
     states: Array
     stress: Array
     ionic: Array
-    crossing: Array
-
-
-class Clock(NamedTuple):
-    """Time step (ms) and activation threshold (mV)."""
-
-    step: float
-    threshold: float
 
 
 class Reaction(NamedTuple):
@@ -42,15 +33,15 @@ class Reaction(NamedTuple):
     Attributes
     ----------
     advance
-        ``advance(cells, new_potential, start, clock, cell, tension)``: states and stress (eqs. 10, 11)
-        from time ``start`` over one step with the potential running linearly from
-        ``cells.potential`` to ``new_potential`` (a frozen one would be first order only). Writes
-        I_ion/C_m at the new time, notes crossings of the threshold, takes over the new potential.
+        ``advance(cells, new_potential, step, cell, tension)``: states and stress (eqs. 10, 11) over
+        one step of ``step`` ms with the potential running linearly from ``cells.potential`` to
+        ``new_potential`` (a frozen one would be first order only). Writes I_ion/C_m at the new time
+        and takes over the new potential.
     react
         ``react(cells, applied, step, substeps, cell, tension)``: potential, states and stress together
         over ``step`` ms in ``substeps`` equal parts, dv/dt = applied - I_ion/C_m without diffusion;
-        ``applied`` in mV/ms, shape ``(point,)``, constant over the step. ``cells.ionic`` and
-        ``cells.crossing`` stay as they are.
+        ``applied`` in mV/ms, shape ``(point,)``, constant over the step. ``cells.ionic`` stays
+        as it is.
 
     ``cell`` and ``tension`` are the constants of the two models.
     """
@@ -89,11 +80,8 @@ def _compile(
     prepared, stress_rate = _linear_stress(law) if linear else _any_stress(law)
 
     @kernel
-    def advance(
-        cells: Any, new_potential: Any, start: float, clock: Any, cell: Any, tension: Any
-    ) -> None:
-        v_old, states, stress, ionic, crossing = cells
-        step, threshold = clock
+    def advance(cells: Any, new_potential: Any, step: float, cell: Any, tension: Any) -> None:
+        v_old, states, stress, ionic = cells
         half = 0.5 * step
         for i in range(v_old.size):
             v0, v1 = v_old[i], new_potential[i]
@@ -112,9 +100,6 @@ def _compile(
             store(states, i, s1)
             stress[i] = y0 + step / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
             ionic[i] = ionic_current(v1, s1, cell)
-            before = crossing[i]
-            time = start + step * (threshold - v0) / (v1 - v0)
-            crossing[i] = time if (v0 < threshold) & (v1 >= threshold) else before
             v_old[i] = v1
 
     @kernel

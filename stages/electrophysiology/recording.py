@@ -1,4 +1,4 @@
-"""Activation times: upward crossings of a threshold, collected while the solution advances."""
+"""Beats of all points, collected while the solution advances, and put into tables."""
 
 from __future__ import annotations
 
@@ -7,61 +7,93 @@ from typing import Any
 
 import numpy as np
 
+from stages.electrophysiology.events import watch_of
 from stages.numerics.bsplines import Array
 
-LONGEST_BLOCK = 5.0
-"""ms; a point is taken to be activated at most once in a block (it stays refractory far longer)."""
+LOG_ROWS = 2**18
+"""Finished beats that one block of steps may log; memory is taken only for those that come."""
+
+WATCHED = ("high", "low", "started", "half", "full", "top", "awaited", "levels", "counts")
 
 
-def frame_blocks(steps: int, step: float) -> Iterator[int]:
-    """Numbers of time steps, each block at most 5 ms, that add up to ``steps`` of length ``step``."""
-    longest = max(int(LONGEST_BLOCK / step), 1)
-    while steps:
-        block = min(steps, longest)
-        yield block
-        steps -= block
+class BeatRecorder:
+    """All beats so far; memory grows with their number only.
 
+    Parameters
+    ----------
+    potential
+        Potential at the start, mV, shape ``(point,)``.
+    threshold
+        Potential that begins a beat, mV.
+    rest
+        Potential to which the tissue returns, mV.
+    log_rows
+        Room for finished beats; a block of steps ends before it can be filled.
+    """
 
-class Crossings:
-    """Events (point, time) of all points so far; memory grows with the number of beats only."""
+    def __init__(
+        self, potential: Array, threshold: float, rest: float, log_rows: int = LOG_ROWS
+    ) -> None:
+        self._room = max(log_rows // potential.size, 1)
+        self.watch = watch_of(potential, threshold, rest, self._room * potential.size)
+        self._finished: list[Array] = []
 
-    def __init__(self, points: int) -> None:
-        self._now: Array = np.full(points, np.nan)
-        self._points: list[Array] = []
-        self._times: list[Array] = []
+    def blocks(self, steps: int) -> Iterator[int]:
+        """Numbers of time steps that add up to ``steps``, none long enough to fill the log.
 
-    def fresh(self) -> Array:
-        """Array of shape ``(point,)`` for the crossings of the next block, filled with NaN."""
-        self._now.fill(np.nan)
-        return self._now
+        A beat needs two steps at least: one below the threshold and one above. So a point finishes
+        one beat at most in every two steps, and the first of them in the first step.
+        """
+        longest = 2 * self._room
+        while steps:
+            block = min(steps, longest)
+            yield block
+            self._collect()
+            steps -= block
 
-    def collect(self) -> None:
-        """Keep the crossings of the block that just ran."""
-        crossed = np.flatnonzero(~np.isnan(self._now))
-        if crossed.size:
-            self._points.append(crossed.astype(float))
-            self._times.append(self._now[crossed])
+    def _collect(self) -> None:
+        """Keep the beats that ended in the block that just ran."""
+        count = int(self.watch.counts[0])
+        if count > len(self.watch.log):
+            raise RuntimeError(f"{count} beats ended in a block of steps with room for fewer")
+        if count:
+            self._finished.append(self.watch.log[:count].copy())
+            self.watch.counts[0] = 0
 
     def arrays(self) -> dict[str, Array]:
         """Everything that a continuation needs."""
-        return {
-            "crossed_points": np.concatenate([*self._points, np.empty(0)]),
-            "crossing_times": np.concatenate([*self._times, np.empty(0)]),
-        }
+        watched = {f"watched_{name}": getattr(self.watch, name).copy() for name in WATCHED}
+        return {**watched, "finished_beats": np.concatenate([np.empty((0, 5)), *self._finished])}
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Go on from :meth:`arrays`."""
-        self._points = [np.asarray(saved["crossed_points"])]
-        self._times = [np.asarray(saved["crossing_times"])]
+        """Go on from :meth:`arrays`; other entries of ``saved`` are ignored."""
+        for name in WATCHED:
+            getattr(self.watch, name)[:] = saved[f"watched_{name}"]
+        self._finished = [np.asarray(saved["finished_beats"])]
 
-    def table(self) -> Array:
-        """Activation times in ms, shape ``(point, beat)``; rows are filled up with NaN."""
-        arrays = self.arrays()
-        points = arrays["crossed_points"].astype(np.int64)
-        order = np.argsort(points, kind="stable")  # events come in the order of time
-        counts = np.bincount(points, minlength=self._now.size)
+    def tables(self) -> dict[str, Array]:
+        """Maps of shape ``(point, beat)``, filled up with NaN, under their names in the history."""
+        w = self.watch
+        under_way = np.flatnonzero(np.isfinite(w.started))
+        peak = np.where(w.low == np.inf, w.high, w.top)  # the highest so far, where it still rises
+        columns = (under_way, *(field[under_way] for field in (w.started, w.half, w.full, peak)))
+        beats = np.concatenate([*self._finished, np.column_stack(columns)])
+        points = beats[:, 0].astype(np.int64)
+        order = np.argsort(points, kind="stable")  # beats of a point come in the order of time
+        counts = np.bincount(points, minlength=w.started.size)
         starts = np.cumsum(counts) - counts
         beat = np.arange(points.size) - np.repeat(starts, counts)
-        table = np.full((self._now.size, int(counts.max(initial=0))), np.nan)
-        table[points[order], beat] = arrays["crossing_times"][order]
-        return table
+
+        def table(values: Array) -> Array:
+            rows = np.full((w.started.size, int(counts.max(initial=0))), np.nan)
+            rows[points[order], beat] = values[order]
+            return rows
+
+        _, started, half, full, peak = beats.T
+        return {
+            "activation_times": table(started),
+            "repolarisation_times": table(full),
+            "apd50": table(half - started),
+            "apd90": table(full - started),
+            "peak_potential": table(peak),
+        }

@@ -87,7 +87,7 @@ def separable_diffusion(
     lift_modes = np.zeros((len(sources), first.rates.size, second.rates.size))
     for amplitudes, lift in zip(lift_modes, lifts, strict=True):
         amplitudes[:] = first.from_points @ (2.0 * lift.reshape(shape)) @ second.from_points.T
-    c = 0.5 * problem.clock.step * problem.diffusivity
+    c = 0.5 * problem.step * problem.diffusivity
     return SeparableDiffusion(
         first,
         second,

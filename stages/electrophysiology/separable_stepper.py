@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stages.electrophysiology.events import UNWATCHED, Watch, watch
 from stages.electrophysiology.modes import Factors, multiply
 from stages.electrophysiology.separable import SeparableDiffusion
 from stages.electrophysiology.tissue import Problem, TissueState
@@ -59,17 +60,18 @@ class SeparableStepper:
         grid = potential.reshape(self.shape)
         return self.diffusion.first.from_points @ grid @ self.diffusion.second.from_points.T
 
-    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+    def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem = self.problem
         self.block(
-            state.cells(crossing),
+            state.cells(),
             state.ionic_before,
             state.diffusion,
             self.system,
             problem.amplitudes(state.steps, steps),
             state.steps,
-            problem.clock,
+            problem.step,
+            beats,
             *problem.constants,
         )
         state.steps += steps
@@ -87,12 +89,13 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
         system: Any,
         on: Any,
         first_step: int,
-        clock: Any,
+        step: float,
+        beats: Any,
         cell: Any,
         tension: Any,
     ) -> None:
         to1, to2, from1, from2, keep, gain, lifts, lift_modes, applied = system
-        ionic, step = cells.ionic, clock.step
+        ionic = cells.ionic
         m1, m2 = to1.shape[0], to2.shape[1]
         points = m1 * m2
         residual = np.empty((m1, m2))
@@ -134,6 +137,7 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
                         new_flat[i] += on[k + 1, s] * lifts[s, i]
             for i in range(points):
                 ionic_before[i] = ionic[i]
-            advance_cells(cells, new_flat, (first_step + k) * step, clock, cell, tension)
+            advance_cells(cells, new_flat, step, cell, tension)
+            watch(beats, new_flat, (first_step + k) * step, step)
 
     return block

@@ -8,23 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stages.electrophysiology.events import UNWATCHED, Watch, watch
 from stages.electrophysiology.l_stable import LStableDiffusion, amplification
 from stages.electrophysiology.modes import Factors, Modes, factors, multiply
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
-
-
-@kernel
-def note_crossings(cells: Any, old: Array, start: float, clock: Any) -> None:
-    """Times at which the potential rose through the threshold during a step, by linear interpolation."""
-    potential, crossing = cells.potential, cells.crossing
-    step, threshold = clock
-    for i in range(old.size):
-        v0, v1 = old[i], potential[i]
-        before = crossing[i]
-        time = start + step * (threshold - v0) / (v1 - v0)
-        crossing[i] = time if (v0 < threshold) & (v1 >= threshold) else before
 
 
 class GeneralSplitting:
@@ -37,19 +26,18 @@ class GeneralSplitting:
         """Nothing: the potential at the points is all that a step needs."""
         return np.empty(0)
 
-    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+    def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem, diffusion = self.problem, self.diffusion
-        clock, cells, react = problem.clock, state.cells(crossing), problem.reaction.react
+        step, cells, react = problem.step, state.cells(), problem.reaction.react
         means = problem.means(state.steps, steps)
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
-            old = state.potential.copy()
-            react(cells, nothing, 0.5 * clock.step, 1, *problem.constants)
+            react(cells, nothing, 0.5 * step, 1, *problem.constants)
             new = diffusion(state.potential, nothing, nothing) + means[k] @ diffusion.responses
             state.potential[:] = new
-            react(cells, nothing, 0.5 * clock.step, 1, *problem.constants)
-            note_crossings(cells, old, state.steps * clock.step, clock)
+            react(cells, nothing, 0.5 * step, 1, *problem.constants)
+            watch(beats, state.potential, state.steps * step, step)
             state.steps += 1
 
 
@@ -87,15 +75,16 @@ class SeparableSplitting:
         """Nothing: the potential at the points is all that a step needs."""
         return np.empty(0)
 
-    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
+    def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem = self.problem
         self.block(
-            state.cells(crossing),
+            state.cells(),
             self.system,
             problem.means(state.steps, steps),
             state.steps,
-            problem.clock,
+            problem.step,
+            beats,
             *problem.constants,
         )
         state.steps += steps
@@ -111,22 +100,21 @@ def compile_block(react: Callable[..., None]) -> Callable[..., None]:
         system: Any,
         means: Any,
         first_step: int,
-        clock: Any,
+        step: float,
+        beats: Any,
         cell: Any,
         tension: Any,
     ) -> None:
         to1, to2, from1, from2, damp, responses = system
         m1, m2 = to1.shape[0], to2.shape[1]
-        potential, half_step = cells.potential, 0.5 * clock.step
+        potential, half_step = cells.potential, 0.5 * step
         grid = potential.reshape((m1, m2))
-        nothing, old = np.zeros(potential.size), np.empty(potential.size)
+        nothing = np.zeros(potential.size)
         half = np.empty((from1.shape[0], m2))
         modes = np.empty((from1.shape[0], from2.shape[1]))
         damped = np.empty_like(modes)
         wide = np.empty((m1, to2.shape[0]))
         for k in range(means.shape[0]):
-            for i in range(potential.size):
-                old[i] = potential[i]
             react(cells, nothing, half_step, 1, cell, tension)
             np.dot(from1, grid, half)
             np.dot(half, from2, modes)
@@ -138,6 +126,6 @@ def compile_block(react: Callable[..., None]) -> Callable[..., None]:
                     for i in range(potential.size):
                         potential[i] += means[k, s] * responses[s, i]
             react(cells, nothing, half_step, 1, cell, tension)
-            note_crossings(cells, old, (first_step + k) * clock.step, clock)
+            watch(beats, potential, (first_step + k) * step, step)
 
     return block

@@ -15,10 +15,10 @@ def electrophysiology(
     import numpy as np
 
     from stages.electrophysiology.monodomain import build
-    from stages.electrophysiology.recording import Crossings, frame_blocks
+    from stages.electrophysiology.recording import BeatRecorder
 
     stepper, state = build(config, surface.patch)
-    crossings = Crossings(surface.patch.size)
+    beats = BeatRecorder(state.potential, config.activation_threshold, config.initial_potential)
     ends = config.frame_steps
     frames = len(ends)
     history = run.stream(
@@ -29,26 +29,20 @@ def electrophysiology(
     saved = run.resume()
     if saved is not None:
         state.restore(saved)
-        crossings.restore(saved)
+        beats.restore(saved)
     else:
         history.append(potential=state.potential, active_stress=state.active_stress)
     for frame in range(history.frames_done, frames):
-        for steps in frame_blocks(ends[frame] - ends[frame - 1], config.step):
-            stepper.advance(state, steps, crossings.fresh())
-            crossings.collect()
+        for steps in beats.blocks(ends[frame] - ends[frame - 1]):
+            stepper.advance(state, steps, beats.watch)
         state.check_finite(config.step)
         history.append(potential=state.potential, active_stress=state.active_stress)
         run.progress(frame, frames - 1)
-        run.checkpoint(lambda: {**state.arrays(), **crossings.arrays()})
+        run.checkpoint(lambda: {**state.arrays(), **beats.arrays()})
     run.note("diffusion_solver", type(stepper).__name__)
-    times = crossings.table()
-    unknown = np.full_like(times, np.nan)
+    maps = beats.tables()
     return history.finish(
         time=np.array(ends) * config.step,
-        activation_times=times,
-        repolarisation_times=unknown,
-        apd50=unknown,
-        apd90=unknown,
-        peak_potential=unknown,
-        conduction_velocity=np.full((*times.shape, 3), np.nan),
+        **maps,
+        conduction_velocity=np.full((*maps["activation_times"].shape, 3), np.nan),
     )

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from stages.electrophysiology.reaction import Cells, Clock, Reaction
+from stages.electrophysiology.events import UNWATCHED, Watch
+from stages.electrophysiology.reaction import Cells, Reaction
 from stages.electrophysiology.sources import Source
 from stages.numerics.bsplines import Array
 
@@ -43,9 +44,9 @@ class TissueState:
     diffusion: Array
     steps: int
 
-    def cells(self, crossing: Array) -> Cells:
+    def cells(self) -> Cells:
         """The cells' arrays as the compiled loops take them."""
-        return Cells(self.potential, self.states, self.active_stress, self.ionic, crossing)
+        return Cells(self.potential, self.states, self.active_stress, self.ionic)
 
     def arrays(self) -> dict[str, Any]:
         """Everything that a continuation needs."""
@@ -75,11 +76,11 @@ class TissueState:
 class Problem:
     """Data of the time loop.
 
-    Time step and threshold; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled loops over cells
+    Time step in ms; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled loops over cells
     with the constants of the cell model and of the tension law.
     """
 
-    clock: Clock
+    step: float
     capacitance: float
     conductivity: float
     sources: tuple[Source, ...]
@@ -88,13 +89,13 @@ class Problem:
 
     def amplitudes(self, first: int, steps: int) -> Array:
         """Amplitude of each stimulus at levels first .. first + steps, shape ``(steps + 1, stimulus)``."""
-        times = np.arange(first, first + steps + 1, dtype=float) * self.clock.step
+        times = np.arange(first, first + steps + 1, dtype=float) * self.step
         columns = [source.amplitude(times) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps + 1, 0))
 
     def means(self, first: int, steps: int) -> Array:
         """Mean of each stimulus' factor over each of the steps after ``first``, ``(steps, stimulus)``."""
-        times = np.arange(first, first + steps + 1, dtype=float) * self.clock.step
+        times = np.arange(first, first + steps + 1, dtype=float) * self.step
         columns = [source.mean(times[:-1], times[1:]) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps, 0))
 
@@ -118,5 +119,5 @@ class Stepper(Protocol):
     def diffusion_state(self, potential: Array) -> Array:
         """Solver unknowns that represent a potential given at the points, with no flux."""
 
-    def advance(self, state: TissueState, steps: int, crossing: Array) -> None:
-        """Take ``steps`` steps in place; crossing times of the activation threshold go to ``crossing``."""
+    def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
+        """Take ``steps`` steps in place, and let ``beats`` note what happens in each of them."""

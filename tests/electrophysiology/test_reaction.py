@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stages.electrophysiology.cell_models import aliev_panfilov
-from stages.electrophysiology.reaction import Cells, Clock, compile_reaction
+from stages.electrophysiology.reaction import Cells, compile_reaction
 from stages.electrophysiology.tension_laws import goektepe_kuhl
 from stages.numerics.bsplines import Array
 from tests.paper import CELL, TENSION
@@ -24,7 +24,6 @@ def random_cells(count: int, seed: int = 0) -> Cells:
         states=random.uniform(0.0, 2.5, (1, count)),
         stress=random.uniform(0.0, 12.0, count),
         ionic=np.zeros(count),
-        crossing=np.full(count, np.nan),
     )
 
 
@@ -58,7 +57,7 @@ def test_advance_equals_its_plain_twin() -> None:
 
         ends.append(runge_kutta(np.array([w, s]), step, slope))
     w_end, s_end = np.transpose(ends)
-    ADVANCE(cells, new, 0.0, Clock(step, -30.0), *CONSTANTS)
+    ADVANCE(cells, new, step, *CONSTANTS)
     # the same operations up to fused multiply-add and the fast exponential: a few 1e-16 relative
     np.testing.assert_allclose(cells.states[0], w_end, rtol=1e-14)
     np.testing.assert_allclose(cells.stress, s_end, rtol=1e-14, atol=1e-14)
@@ -83,15 +82,14 @@ def test_react_equals_its_plain_twin() -> None:
         for _ in range(substeps):
             y = runge_kutta(y, step / substeps, slope)
         ends.append(y)
-    before = [np.copy(values) for values in (cells.ionic, cells.crossing)]
+    before = np.copy(cells.ionic)
     REACT(cells, applied, step, substeps, *CONSTANTS)
     # round-off as above; the double exponential of the switch enlarges that of v by some tens
     for values, plain in zip(
         (cells.potential, cells.states[0], cells.stress), np.transpose(ends), strict=True
     ):
         np.testing.assert_allclose(values, plain, rtol=1e-12, atol=1e-13)
-    np.testing.assert_array_equal(cells.ionic, before[0])
-    np.testing.assert_array_equal(cells.crossing, before[1])
+    np.testing.assert_array_equal(cells.ionic, before)
 
 
 def advance_over(ramp: tuple[float, float], duration: float, steps: int) -> Cells:
@@ -100,7 +98,7 @@ def advance_over(ramp: tuple[float, float], duration: float, steps: int) -> Cell
     cells.potential[:] = ramp[0]
     for k in range(steps):
         new = np.array([ramp[0] + (ramp[1] - ramp[0]) * (k + 1) / steps])
-        ADVANCE(cells, new, 0.0, Clock(duration / steps, 99.0), *CONSTANTS)
+        ADVANCE(cells, new, duration / steps, *CONSTANTS)
     return cells
 
 
@@ -124,19 +122,10 @@ def test_recovery_and_stress_agree_with_an_independent_integrator() -> None:
     assert errors[1] / errors[2] > 12
 
 
-def test_a_crossing_is_interpolated_inside_the_step() -> None:
-    cells = random_cells(3)
-    cells.potential[:] = [-31.0, -29.0, -31.0]
-    new = np.array([-27.0, -20.0, -30.5])
-    ADVANCE(cells, new, 7.0, Clock(0.02, -30.0), *CONSTANTS)
-    np.testing.assert_allclose(cells.crossing[0], 7.0 + 0.02 * 0.25, rtol=1e-14)
-    assert np.isnan(cells.crossing[1:]).all()  # above already; not there yet
-
-
 def test_rest_is_a_fixed_point() -> None:
     cells = random_cells(5)
     cells.potential[:], cells.states[:], cells.stress[:] = -80.0, 0.0, 0.0
-    ADVANCE(cells, np.full(5, -80.0), 0.0, Clock(1.0, -30.0), *CONSTANTS)
+    ADVANCE(cells, np.full(5, -80.0), 1.0, *CONSTANTS)
     for values in (cells.states, cells.stress, cells.ionic):
         np.testing.assert_array_equal(values, 0.0)
     REACT(cells, np.zeros(5), 1.0, 2, *CONSTANTS)

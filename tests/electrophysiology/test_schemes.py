@@ -40,7 +40,7 @@ def advance(
 ) -> TissueState:
     stepper, state = build(electrophysiology_config(**changes), patch, general)
     for steps in blocks:
-        stepper.advance(state, steps, np.full(patch.size, np.nan))
+        stepper.advance(state, steps)
     return state
 
 
@@ -113,7 +113,7 @@ def smooth_end(scheme: str, steps: int, general: bool) -> Array:
     cell, _ = stepper.problem.constants
     v = (state.potential + 80.0) / 100.0
     state.ionic[:] = 100.0 / 12.9 * cell.k_v * v * (v - cell.a) * (v - 1.0)
-    stepper.advance(state, steps, np.full(patch.size, np.nan))
+    stepper.advance(state, steps)
     return np.concatenate((state.potential, state.active_stress))
 
 
@@ -133,7 +133,7 @@ def pulse_end(scheme: str, steps: int) -> Array:
         n_steps=steps, duration=8.0, stimuli=(pulse,), scheme=scheme, degree=4
     )
     stepper, state = build(config, patch)
-    stepper.advance(state, steps, np.full(patch.size, np.nan))
+    stepper.advance(state, steps)
     return state.potential
 
 
