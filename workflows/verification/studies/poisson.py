@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import StudyTable
 from stages.configuration import Count, Section, setting
+from workflows.verification.collocated import edge_data, observed_order, relative_error, theory
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
     from stages.numerics.bsplines import Array
     from stages.numerics.patches import Patch
-
-ROUND_OFF = 5e-11
-"""Errors below this are not used for orders: second derivatives on fine meshes lose as many digits."""
 
 
 class PoissonConfig(Section):
@@ -68,14 +66,17 @@ def _square(config: PoissonConfig) -> Patch:
 
 
 def _error(patch: Patch) -> float:
-    """Solve on a mesh, and integrate the error with p + 3 points per span and direction."""
+    """Solve on a mesh and measure."""
+    return relative_error(patch, _solve(patch), lambda position: _solution(position)[0])
+
+
+def _solve(patch: Patch) -> Array:
+    """Control values of the solution."""
     import numpy as np
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import spsolve
 
     from stages.numerics.collocation import collocate
-    from stages.numerics.quadrature import quadrature_grid
-    from stages.numerics.surface_geometry import frame_on_grid
 
     operators = collocate(patch)
     exact, slopes = _solution(operators.frame.position)
@@ -87,18 +88,8 @@ def _error(patch: Patch) -> float:
         + diags_array(given.astype(float)) @ operators.values
     )
     right = np.where(operators.interior, -2.0 * np.pi**2 * exact, 0.0)
-    for name, normal in {"X=L1": (1, 0), "Y=0": (0, -1), "Y=L2": (0, 1)}.items():
-        points = operators.edges[name]
-        right[points] += slopes[points] @ normal
-    control = spsolve(matrix.tocsc(), np.where(given, exact, right))
-
-    grid = quadrature_grid(patch, patch.first.degree + 3)
-    frame = frame_on_grid(patch, grid.theta1, grid.theta2)
-    weights = np.outer(grid.weights1, grid.weights2).ravel() * frame.area
-    n1, n2 = patch.first.evaluate(grid.theta1), patch.second.evaluate(grid.theta2)
-    found = (n1 @ control.reshape(patch.first.size, -1) @ n2.T).ravel()
-    wanted, _ = _solution(frame.position)
-    return float(np.sqrt(weights @ (found - wanted) ** 2 / (weights @ wanted**2)))
+    right += edge_data(operators, slopes)
+    return np.asarray(spsolve(matrix.tocsc(), np.where(given, exact, right)))
 
 
 def _solution(position: Array) -> tuple[Array, Array]:
@@ -106,30 +97,18 @@ def _solution(position: Array) -> tuple[Array, Array]:
     import numpy as np
 
     x, y = np.pi * position[:, 0], np.pi * position[:, 1]
-    slopes = np.pi * np.stack((np.cos(x) * np.sin(y), np.sin(x) * np.cos(y)), axis=1)
+    slopes = np.pi * np.stack((np.cos(x) * np.sin(y), np.sin(x) * np.cos(y), 0 * x), axis=1)
     return np.sin(x) * np.sin(y), slopes
-
-
-def theory(degree: int) -> int:
-    """Order of collocation at Greville points.
-
-    Examples
-    --------
-    >>> theory(2), theory(3), theory(4)
-    (2, 2, 4)
-    """
-    return degree if degree % 2 == 0 else degree - 1
 
 
 def orders(table: StudyTable) -> dict[int, float]:
     """Observed order by degree, between the two finest meshes above round-off."""
-    import numpy as np
-
     found = {}
     for degree in sorted(set(table.column("degree").astype(int).tolist())):
-        chosen = (table.column("degree") == degree) & (table.column("error") > ROUND_OFF)
-        n, error = table.column("elements")[chosen][-2:], table.column("error")[chosen][-2:]
-        found[degree] = float(np.log(error[0] / error[1]) / np.log(n[1] / n[0]))
+        chosen = table.column("degree") == degree
+        found[degree] = observed_order(
+            table.column("elements")[chosen], table.column("error")[chosen]
+        )
     return found
 
 
