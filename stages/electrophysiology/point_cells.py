@@ -19,22 +19,26 @@ class PointCells:
     """Tensor grid of collocation points, by their lengths along the film.
 
     Intervals of an edge end half way between its points. Cells inside do likewise, but those next to an
-    edge reach up to it: points of the boundary take no current, and none may be lost.
+    edge or a seam reach up to it: points there take no current, and none may be lost.
 
     Attributes
     ----------
     x, y
         Lengths X and Y of the rows and columns of points, shapes ``(m1,)`` and ``(m2,)``, mm.
+    closed
+        Whether X and Y run around a closed film.
     """
 
     x: Array
     y: Array
+    closed: tuple[bool, bool] = (False, False)
 
     @classmethod
     def of(cls, patch: Patch) -> PointCells:
         """Cells of the Greville points of a patch."""
         lengths = FilmLengths.of(patch)
-        return cls(*(lengths.along(d, space.greville()) for d, space in enumerate(patch.spaces)))
+        x, y = (lengths.along(d, space.greville()) for d, space in enumerate(patch.spaces))
+        return cls(x, y, patch.closed)
 
     def nowhere(self) -> Array:
         """Zero at every point, shape ``(point,)``."""
@@ -46,16 +50,25 @@ class PointCells:
         Raises
         ------
         ValueError
-            If the extent lies beside the edge.
+            If the extent lies beside the edge, or the film is closed where the edge would be.
         """
         share = self.nowhere()
-        at = self.y if edge.startswith("X") else self.x
+        edges = edge_points(self.x.size, self.y.size, self.closed)
+        if edge not in edges:
+            raise ValueError(
+                f"there is no edge {edge}: the film is closed in that direction; its edges are "
+                f"{', '.join(edges) or 'none'}"
+            )
+        at, seam = (self.y, self.closed[1]) if edge[0] == "X" else (self.x, self.closed[0])
         part = np.ones(at.size) if extent is None else _share(_bounds(at), extent)
         if not part.any():
             raise ValueError(
                 f"the extent {extent} mm lies beside the edge {edge}: move it onto the film"
             )
-        share[edge_points(self.x.size, self.y.size)[edge]] = part
+        if seam:  # both ends are one point, with an interval on both sides
+            part[0] = 0.5 * (part[0] + part[-1])
+            part = part[:-1]
+        share[edges[edge]] = part
         return share
 
     def share_of_rectangle(self, x: Interval, y: Interval) -> Array:

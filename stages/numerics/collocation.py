@@ -11,7 +11,7 @@ from scipy import sparse
 from stages.numerics.bsplines import Array
 from stages.numerics.diffusivity import Diffusivity, TensorField, isotropic
 from stages.numerics.patches import Patch
-from stages.numerics.seams import Closed, closed_directions, join_seams
+from stages.numerics.seams import Closed, check_seams, join_seams
 from stages.numerics.surface_geometry import SurfaceFrame, frame_on_grid
 
 EDGES = ("X=0", "X=L1", "Y=0", "Y=L2")
@@ -61,21 +61,6 @@ class CollocationOperators:
     closed: Closed
     shape: tuple[int, int]
 
-    def edge(self, name: str) -> NDArray[np.int64]:
-        """Points of an edge.
-
-        Raises
-        ------
-        ValueError
-            If the surface is closed there.
-        """
-        if name not in self.edges:
-            raise ValueError(
-                f"there is no edge {name}: the surface is closed in that direction, so that its start "
-                f"and its end are one line inside it; the edges are {', '.join(self.edges) or 'none'}"
-            )
-        return self.edges[name]
-
 
 def edge_points(
     rows: int, columns: int, closed: Closed = (False, False)
@@ -90,9 +75,7 @@ def edge_points(
     return {name: points for name, points in lines if not closed[SIDES[name][0]]}
 
 
-def collocate(
-    patch: Patch, diffusivity: Diffusivity = isotropic, closed: Closed | None = None
-) -> CollocationOperators:
+def collocate(patch: Patch, diffusivity: Diffusivity = isotropic) -> CollocationOperators:
     """Operators of a patch at the tensor grid of its Greville points (eqs. 69-77).
 
     The geometry enters by the frame alone and is exact for rational patches too. The fields are
@@ -102,16 +85,15 @@ def collocate(
     Parameters
     ----------
     patch
-        Surface and mesh: any degree from 2 on, any C1 knots.
+        Surface and mesh: any degree from 2 on, any C1 knots; it may be closed.
     diffusivity
         Tensor field of the tissue.
-    closed
-        Whether each direction runs into itself, as around a tube; none: where its two edges coincide.
 
     Raises
     ------
     ValueError
-        If the patch is not C1 somewhere: second derivatives would jump at knots.
+        If the patch is not C1 somewhere: second derivatives would jump at knots; or if it is said to be
+        closed where its edges do not meet.
     """
     for direction, space in zip((1, 2), patch.spaces, strict=True):
         if space.continuity < 1 or space.degree < 2:
@@ -119,7 +101,8 @@ def collocate(
                 f"collocation needs C1 splines of degree 2 or more; direction {direction} has "
                 f"degree {space.degree} and continuity C{space.continuity}"
             )
-    closed = closed_directions(patch) if closed is None else closed
+    check_seams(patch)
+    closed = patch.closed
     first, second = patch.first.greville(), patch.second.greville()
     shape = first.size, second.size
     frame = frame_on_grid(patch, first, second)

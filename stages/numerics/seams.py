@@ -1,40 +1,32 @@
-"""Patches that run into themselves: where they are closed, and what holds across the seam."""
+"""Patches that run into themselves: what holds across the seam, where start and end are one line."""
 
 from __future__ import annotations
-
-from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 
 from stages.numerics.patches import Patch
 
-Closed: TypeAlias = tuple[bool, bool]
+Closed = tuple[bool, bool]
 """Whether the first and the second direction of a patch are closed."""
 
 
-def closed_directions(patch: Patch, tolerance: float = 1e-9) -> Closed:
-    """Directions in which start and end of a patch are the same curve, point by point.
+def check_seams(patch: Patch, tolerance: float = 1e-9) -> None:
+    """Raise ``ValueError`` unless start and end meet, point by point, in every closed direction.
 
     With open knots an edge is the curve of its row of control points: rows are compared, relative to
-    the size of the patch, and their weights up to a common factor.
-
-    Examples
-    --------
-    >>> closed_directions(Patch.rectangle(3.5, 2.0))
-    (False, False)
+    the size of the patch.
     """
     net = patch.control_points
-    scale = tolerance * float(np.linalg.norm(np.ptp(net, axis=(0, 1))))
-    weights = np.ones(net.shape[:2]) if patch.weights is None else patch.weights
-
-    def meets(direction: int) -> bool:
-        points, weight = np.moveaxis(net, direction, 0), np.moveaxis(weights, direction, 0)
-        apart = float(np.abs(points[0] - points[-1]).max())
-        factor = weight[0] / weight[-1]
-        return apart <= scale and float(np.ptp(factor)) <= tolerance * float(factor.max())
-
-    return meets(0), meets(1)
+    size = float(np.linalg.norm(np.ptp(net, axis=(0, 1))))
+    for direction in np.flatnonzero(patch.closed):
+        lines = np.moveaxis(net, direction, 0)
+        gap = float(np.linalg.norm(lines[0] - lines[-1], axis=1).max())
+        if gap > tolerance * size:
+            raise ValueError(
+                f"direction {direction + 1} is said to be closed, but its start and its end lie up to "
+                f"{gap:g} mm apart"
+            )
 
 
 def join_seams(

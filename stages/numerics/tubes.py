@@ -63,4 +63,4 @@ def closed_tube(radius: float, length: float, along: SplineSpace, around: Spline
     net = np.empty((along.size, around.size, 3))
     net[..., 0] = x[:, None]
     net[..., 1:] = circle
-    return Patch(along, around, net)
+    return Patch(along, around, net, closed=(False, True))
