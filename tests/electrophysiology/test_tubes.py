@@ -7,6 +7,7 @@ import pytest
 
 from stages.electrophysiology.monodomain import build
 from stages.electrophysiology.point_cells import PointCells
+from stages.electrophysiology.recording import BeatRecorder
 from stages.electrophysiology.stimuli.patch_current import PatchCurrent
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
@@ -33,9 +34,10 @@ def arrivals(patch: Patch, *stimuli: PatchCurrent) -> Array:
     """Crossing times along the middle line, ms."""
     config = electrophysiology_config(n_steps=2000, duration=100.0, stimuli=stimuli)
     stepper, state = build(config, patch)
-    crossing = np.full(patch.size, np.nan)
-    stepper.advance(state, 2000, crossing)
-    return crossing.reshape(patch.first.size, -1)[2]
+    beats = BeatRecorder(state.potential, -30.0, -80.0)
+    stepper.advance(state, 2000, beats.watch)
+    found = beats.tables()["activation_times"][:, 0]
+    return np.asarray(found.reshape(patch.first.size, -1)[2])
 
 
 def test_a_wave_along_a_tube_is_that_on_a_flat_film() -> None:
