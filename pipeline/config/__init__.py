@@ -19,6 +19,7 @@ from pydantic import BaseModel, ValidationError
 from pipeline.config.layers import merged, overridden, read_toml
 from pipeline.config.libraries import expanded
 from pipeline.config.parameters import Parameter, describe
+from pipeline.config.picks import cleared
 from pipeline.config.problems import told
 from pipeline.config.quantities import converted
 from pipeline.errors import InputError
@@ -37,7 +38,8 @@ def load(model: type[M], layers: Sequence[Mapping[str, Any]], overrides: Sequenc
         Model of the whole configuration.
     layers
         Tables; in a later one values replace those of an earlier one, and a table whose ``name``
-        differs replaces the whole earlier table, because it selects another model.
+        differs replaces the whole earlier table, because it selects another model. A field that picks
+        others (:mod:`pipeline.config.picks`) takes away what earlier tables say of these.
     overrides
         Strings ``SECTION.KEY=VALUE``; the value is TOML if it is valid TOML, else a string.
 
@@ -46,7 +48,10 @@ def load(model: type[M], layers: Sequence[Mapping[str, Any]], overrides: Sequenc
     InputError
         Naming every problem: field, value, what is allowed, the nearest valid name.
     """
-    data, problems = expanded(model, overridden(merged(layers), overrides))
+    data: dict[str, Any] = {}
+    for layer in (*layers, overridden({}, overrides)):
+        data = merged([cleared(model, data, layer), layer])
+    data, problems = expanded(model, data)
     data, unread = converted(model, data)
     problems |= unread
     try:

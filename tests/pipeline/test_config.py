@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import pytest
 from hypothesis import given
@@ -476,3 +476,37 @@ def test_the_choice_of_the_stages_is_recognised() -> None:
     from stages.configuration import Section as StagesSection
 
     assert isinstance(StagesOneOf("stages.mechanics.materials", StagesSection), Choice)
+
+
+class Mesh(Section):
+    picks: ClassVar = {"preset": ("elements", "degree")}
+    preset: str | None = None
+    elements: int | None = None
+    degree: int | None = None
+
+
+class Meshed(Section):
+    mesh: Mesh
+
+
+LOW = {"mesh": {"elements": 9, "degree": 2}}
+
+
+@pytest.mark.parametrize(
+    ("layers", "overrides", "expected"),
+    [
+        ([LOW, {"mesh": {"preset": "coarse"}}], [], Mesh(preset="coarse")),
+        ([LOW], ["mesh.preset=coarse"], Mesh(preset="coarse")),
+        (
+            [LOW, {"mesh": {"preset": "coarse"}}],
+            ["mesh.degree=3"],
+            Mesh(preset="coarse", degree=3),
+        ),
+        ([LOW, {"mesh": {"preset": "coarse", "degree": 3}}], [], Mesh(preset="coarse", degree=3)),
+    ],
+)
+def test_a_field_that_picks_others_takes_away_only_what_lies_below_it(
+    layers: list[dict[str, Any]], overrides: list[str], expected: Mesh
+) -> None:
+    assert load(Meshed, layers, overrides).mesh == expected
+    assert LOW == {"mesh": {"elements": 9, "degree": 2}}
