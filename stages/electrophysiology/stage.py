@@ -14,6 +14,7 @@ def electrophysiology(
     """Monodomain problem on the active layer, frame by frame from rest at t = 0."""
     import numpy as np
 
+    from stages.electrophysiology.fronts import front_velocity
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import BeatRecorder
 
@@ -44,5 +45,5 @@ def electrophysiology(
     return history.finish(
         time=np.array(ends) * config.step,
         **maps,
-        conduction_velocity=np.full((*maps["activation_times"].shape, 3), np.nan),
+        conduction_velocity=front_velocity(surface.patch, maps["activation_times"]),
     )
