@@ -52,10 +52,17 @@ class ShapeConfig(Section):
 
 
 class PostprocessingConfig(ShapeConfig):
-    """The same, and the window of the front speed."""
+    """The same, the window of the front speed, and the tips of spirals."""
 
     velocity_window: tuple[float, float] = quantity(
         "mm", "from which X to which X the front is timed, along the mid-axis", "this project"
+    )
+
+    tip_potential: float | None = quantity(
+        "mV",
+        "potential of the line whose end is the tip of a spiral wave; none: no tips are looked for",
+        "Fenton and Karma (1998)",
+        default=None,
     )
 
     @field_validator("velocity_window")

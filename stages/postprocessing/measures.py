@@ -25,7 +25,7 @@ from stages.postprocessing.probes import (
     resample,
     series,
 )
-from stages.postprocessing.tips import no_tips
+from stages.postprocessing.tip_paths import no_tips, tip_paths
 
 BEAT_MAPS = (
     "activation_times",
@@ -68,6 +68,7 @@ def take_measures(
     passing = arrival_times(cells, events, way)
     distance = float(np.linalg.norm(np.diff(film.evaluate_points(way), axis=0), axis=1).sum())
 
+    level = config.tip_potential
     axis = follow_axis(film, deformation.displacement, theta2)
     return Measures(
         probe_names=tuple(config.probes),
@@ -81,7 +82,7 @@ def take_measures(
         **beats,
         peak_active_stress=beat_peaks(stress, cell_time, arrivals),
         conduction_velocity=conduction_velocity(passing, distance),
-        tips=no_tips(),
+        tips=no_tips() if level is None else tip_paths(cells, history, level),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stages.artefacts import Measures
-from stages.postprocessing.tips import no_tips
+from stages.postprocessing.tip_paths import no_tips
 from workflows.film_quantities import quantities
 
 NAN = float("nan")
