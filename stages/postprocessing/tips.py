@@ -74,21 +74,42 @@ def tips_between(mesh: Triangles, time: float, value: Array, change: Array) -> T
         _takes_both_signs(value, mesh.shape) & _takes_both_signs(change, mesh.shape)
     )
     near = np.concatenate([cells, cells + len(mesh.corners) // 2])
-    corners = mesh.corners[near]
-    place = mesh.position[corners]
-    sides = place[:, 1:] - place[:, :1]
-    flat = np.einsum("tsx,tdx->tsd", sides, mesh.frame[near])
-    fields = np.stack((value[corners], change[corners]), axis=2)  # (triangle, corner, field)
-    slopes = np.linalg.solve(flat, fields[:, 1:] - fields[:, :1])  # (triangle, direction, field)
-    turning = np.linalg.det(slopes)
-    near_zero = turning == 0.0
-    slopes[near_zero] = np.eye(2)
-    root = np.linalg.solve(np.swapaxes(slopes, 1, 2), -fields[:, 0, :, None])
-    share = np.linalg.solve(np.swapaxes(flat, 1, 2), root)[..., 0]
-    inside = (share >= 0.0).all(axis=1) & (share.sum(axis=1) < 1.0) & ~near_zero
-    found = place[:, 0] + np.einsum("ts,tsx->tx", share, sides)
-    heading = np.degrees(np.arctan2(slopes[:, 1, 0], slopes[:, 0, 0]))
-    return Tips(time, found[inside], np.sign(turning[inside]), heading[inside])
+    v, rate = value[mesh.corners[near]], change[mesh.corners[near]]
+    v1, v2 = v[:, 1] - v[:, 0], v[:, 2] - v[:, 0]
+    rate1, rate2 = rate[:, 1] - rate[:, 0], rate[:, 2] - rate[:, 0]
+    turning = v1 * rate2 - v2 * rate1  # from grad v to grad dv/dt, in a frame that is right-handed
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first = (v2 * rate[:, 0] - rate2 * v[:, 0]) / turning
+        second = (rate1 * v[:, 0] - v1 * rate[:, 0]) / turning
+        inside = (first >= 0.0) & (second >= 0.0) & (first + second < 1.0)
+    share = np.stack((first, second), axis=1)[inside]
+    corners = mesh.position[mesh.corners[near[inside]]]
+    place = corners[:, 0] + np.einsum("ts,tsx->tx", share, corners[:, 1:] - corners[:, :1])
+    heading = [
+        _heading(mesh, cell, frame, tip, value)
+        for cell, frame, tip in zip(
+            np.concatenate([cells, cells])[inside], mesh.frame[near[inside]], place, strict=True
+        )
+    ]
+    return Tips(time, place, np.sign(turning[inside]), np.array(heading))
+
+
+def _heading(mesh: Triangles, cell: int, frame: Array, tip: Array, value: Array) -> float:
+    """Direction of grad v at a tip, degrees: of the quadratic function nearest to v at the 16 points around.
+
+    The slope of v in the tip's triangle alone would belong to the middle of the triangle.
+    """
+    rows, columns = mesh.shape
+    i, j = divmod(cell, columns - 1)
+    around = np.arange(-1, 3)
+    row, column = np.clip(i + around, 0, rows - 1), np.clip(j + around, 0, columns - 1)
+    points = (row[:, None] * columns + column).ravel()
+    x, y = frame @ (mesh.position[points] - tip).T
+    size = max(np.abs(x).max(), np.abs(y).max())
+    x, y = x / size, y / size
+    terms = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=1)
+    _, along, across, *_ = np.linalg.lstsq(terms, value[points])[0]
+    return float(np.degrees(np.arctan2(across, along)))
 
 
 def _takes_both_signs(field: Array, shape: tuple[int, int]) -> NDArray[np.bool_]:
