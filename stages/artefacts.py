@@ -229,11 +229,17 @@ class ShapeMeasures:
 
 @dataclass(frozen=True)
 class StudyTable:
-    """Result of a verification study: named columns with units."""
+    """Result of a verification study: named columns with units, and perhaps a field to look at.
+
+    ``sampled`` holds X, Y, Z and the field on a grid of parameters.
+    """
 
     columns: tuple[str, ...]
     units: tuple[str, ...]
     values: Array = array("", "row", "column")
+    sampled: Array | None = field(
+        default=None, metadata={"unit": "", "axes": ("theta1", "theta2", "xyzv")}
+    )
 
     def column(self, name: str) -> Array:
         """One column, shape ``(row,)``."""

@@ -22,6 +22,7 @@ from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from stages.numerics.bsplines import Array
@@ -40,16 +41,32 @@ class PoissonConfig(Section):
 
 @stage
 def poisson(config: PoissonConfig, *, run: StageRun) -> StudyTable:
-    """Relative L2 errors (eq. C.2) of every mesh."""
+    """Relative L2 errors (eq. C.2) of every mesh; the field is that of the last."""
     import numpy as np
 
     square = _square(config)
     meshes = [(degree, n) for degree in config.degrees for n in config.elements]
-    rows = []
+    rows, sampled = [], np.empty(0)
     for degree, n in meshes:
-        rows.append((degree, n, _error(square.refine(degree, (n, n)))))
+        patch = square.refine(degree, (n, n))
+        control = _solve(patch)
+        error = relative_error(patch, control, lambda position: _solution(position)[0])
+        rows.append((degree, n, error))
+        sampled = _sampled(patch, control)
         run.progress(len(rows), len(meshes))
-    return StudyTable(("degree", "elements", "error"), ("", "", ""), np.array(rows, dtype=float))
+    table = np.array(rows, dtype=float)
+    return StudyTable(("degree", "elements", "error"), ("", "", ""), table, sampled)
+
+
+def _sampled(patch: Patch, control: Array) -> Array:
+    """Position and field at 65 x 65 parameters, shape ``(65, 65, 4)``."""
+    import numpy as np
+
+    theta = np.linspace(0.0, 1.0, 65)
+    n1, n2 = patch.first.evaluate(theta), patch.second.evaluate(theta)
+    field = n1 @ control.reshape(patch.first.size, -1) @ n2.T
+    position = patch.evaluate(theta, theta).reshape(65, 65, 3)
+    return np.concatenate((position, field[..., None]), axis=2)
 
 
 def _square(config: PoissonConfig) -> Patch:
@@ -63,11 +80,6 @@ def _square(config: PoissonConfig) -> Patch:
     net = np.zeros((3, 3, 3))
     net[:, :, :2] = np.array(config.control_points).reshape(3, 3, 2).transpose(1, 0, 2)
     return Patch(line, line, net)
-
-
-def _error(patch: Patch) -> float:
-    """Solve on a mesh and measure."""
-    return relative_error(patch, _solve(patch), lambda position: _solution(position)[0])
 
 
 def _solve(patch: Patch) -> Array:
@@ -131,8 +143,8 @@ def quantities(table: StudyTable) -> dict[str, Quantity]:
 
 
 def draw(table: StudyTable, figure: Figure) -> None:
-    """Fig. C.1 (a): error over the number of spans; dotted lines have the theoretical slopes."""
-    axes = figure.subplots()
+    """Fig. C.1: (a) error over the number of spans, dotted with the slopes of theory; (b) the field."""
+    axes, square = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
     for degree in orders(table):
         chosen = table.column("degree") == degree
         n, error = table.column("elements")[chosen], table.column("error")[chosen]
@@ -144,6 +156,26 @@ def draw(table: StudyTable, figure: Figure) -> None:
     axes.set_xticks(n, [f"{int(count)}" for count in n])
     axes.minorticks_off()
     axes.legend(fontsize=8)
+    axes.set_title("(a)")
+    if table.sampled is not None:
+        _draw_field(table, square, figure)
+
+
+def _draw_field(table: StudyTable, axes: Axes, figure: Figure) -> None:
+    """Field of the last mesh; the lines are every eighth part of the distorted parameters."""
+    x, y, _, v = table.sampled.transpose(2, 0, 1)  # type: ignore[union-attr]
+    colours = axes.pcolormesh(x, y, v, shading="gouraud", rasterized=True)
+    for i in range(0, len(x), 8):
+        axes.plot(x[i], y[i], color="white", lw=0.5)
+        axes.plot(x[:, i], y[:, i], color="white", lw=0.5)
+    degree, n, _ = table.values[-1]
+    axes.set(
+        aspect="equal",
+        xlabel="X",
+        ylabel="Y",
+        title=f"(b) v with p = {int(degree)} on {int(n)} x {int(n)} spans",
+    )
+    figure.colorbar(colours, ax=axes, shrink=0.8)
 
 
 STUDY = Study(
@@ -152,5 +184,5 @@ STUDY = Study(
     stage=poisson,
     draw=draw,
     quantities=quantities,
-    size=(6.0, 4.5),
+    size=(10.0, 4.4),
 )
