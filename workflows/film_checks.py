@@ -50,11 +50,11 @@ def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
     """Points that are held, moved, loaded or waited for and do not lie on the film."""
     until = getattr(getattr(shell, "control", None), "until", None)
     if until is not None:
-        yield from _off_the_film("mechanics.control.until.position", until.position, film)
+        yield from off_the_film("mechanics.control.until.position", until.position, film)
     for section, tables in (("supports", shell.supports), ("loads", shell.loads)):
         for label, table in tables.items():
             place = getattr(table, "position", None) or (0.0, 0.0)
-            yield from _off_the_film(f"mechanics.{section}.{label}.position", place, film)
+            yield from off_the_film(f"mechanics.{section}.{label}.position", place, film)
 
 
 def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
@@ -64,7 +64,8 @@ def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> It
             yield f"electrophysiology.stimuli.{i}: {problem}"
 
 
-def _off_the_film(name: str, place: tuple[float, float], film: FilmConfig) -> Iterator[str]:
+def off_the_film(name: str, place: tuple[float, float], film: FilmConfig) -> Iterator[str]:
+    """A point that does not lie on the film, by the name of its parameter."""
     x, y = place
     if not (0 <= x <= film.length and 0 <= y <= film.width):
         yield f"{name} = ({exact(x)}, {exact(y)}) mm lies outside the film {extent(film)}"

@@ -26,8 +26,11 @@ class Entry:
     shared: tuple[str, ...] = ()
 
 
-FILM_WITH_CELLS = ("cells", "tissue", "coupled-film")
-"""Parameter files of the experiments of section 4.3."""
+TISSUE = ("film", "cells", "tissue")
+"""Parameter files of experiments with cells."""
+
+FILM_WITH_CELLS = (*TISSUE, "coupled-film")
+"""The same where the film moves (section 4.3)."""
 
 ENTRIES = (
     Entry(
@@ -51,6 +54,18 @@ ENTRIES = (
         "workflows.spiral_wave",
         "a wave S3 across the tail of S1 turns into a spiral (section 4.3, Figs 10 and 11)",
         FILM_WITH_CELLS,
+    ),
+    Entry(
+        "restitution",
+        "workflows.restitution",
+        "how long and how strong a beat is, by how long the tissue has rested (S1-S2)",
+        TISSUE,
+    ),
+    Entry(
+        "vulnerable-window",
+        "workflows.vulnerable_window",
+        "when S3 must come for its wave to turn into a spiral: sweep and bisection",
+        TISSUE,
     ),
     Entry(
         "verification",

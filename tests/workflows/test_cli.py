@@ -15,7 +15,15 @@ def test_the_workflows_are_listed() -> None:
     result = invoke("list")
     assert result.exit_code == 0
     names = [line.split()[0] for line in result.output.splitlines()]
-    assert names == ["curling", "twitch", "planar-waves", "spiral-wave", "verification"]
+    assert names == [
+        "curling",
+        "twitch",
+        "planar-waves",
+        "spiral-wave",
+        "restitution",
+        "vulnerable-window",
+        "verification",
+    ]
 
 
 def test_every_parameter_is_shown_with_unit_and_source() -> None:

@@ -55,6 +55,8 @@ def test_help_needs_nothing_but_typer() -> None:
         ["list"],
         ["show", "planar-waves"],
         ["show", "spiral-wave"],
+        ["show", "restitution"],
+        ["show", "vulnerable-window"],
         ["show", "curling"],
         ["show", "twitch"],
         ["reproduce"],
@@ -71,7 +73,16 @@ def test_listing_the_store_needs_no_numerics(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "workflow", ["planar-waves", "spiral-wave", "curling", "twitch", "verification"]
+    "workflow",
+    [
+        "planar-waves",
+        "spiral-wave",
+        "restitution",
+        "vulnerable-window",
+        "curling",
+        "twitch",
+        "verification",
+    ],
 )
 def test_explaining_needs_no_heavy_library(workflow: str, tmp_path: Path) -> None:
     assert not imported("explain", workflow, "--store", tmp_path) & (LIGHT | NUMERICS)
