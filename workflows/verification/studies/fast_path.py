@@ -202,7 +202,7 @@ def draw(table: StudyTable, figure: Figure) -> None:
             )
     potential.set(xlabel="time [ms]", ylabel="potential [mV]", title="(a)", ylim=(1e-14, 1e-7))
     stress.set(xlabel="time [ms]", ylabel="active stress [kPa]", title="(b)")
-    stress.legend(fontsize=8, loc="lower right")
+    stress.legend(fontsize=7, loc="upper right", ncols=2)
 
 
 STUDY = Study(
