@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from stages.numerics.patches import Patch
 from stages.numerics.shapes import cylindrical_panel, spherical_panel
 from stages.numerics.surface_geometry import frame_at
 from tests.problems import observed_orders, skewed_square
+
+ROOT = Path(__file__).parents[2]
 
 SURFACES = {
     "skewed": skewed_square(),
@@ -154,3 +157,20 @@ def test_fibres_on_curved_surfaces_carry_known_waves(
     # interpolation of degree 4, differentiated twice: order 3 at least
     assert observed_orders(np.array(errors))[-1] > 2.8
     assert errors[-1] < 1e-3
+
+
+def test_the_tissue_of_the_documentation_has_fibres_that_turn_along_x() -> None:
+    text = (ROOT / "docs" / "electrophysiology.md").read_text()
+    code = text.split("```python\n")[1].split("```")[0]
+    names: dict[str, object] = {"patch": Patch.rectangle(3.5, 2.0).refine(4, (24, 12))}
+    exec(code, names)
+    operators = names["operators"]
+    assert isinstance(operators, CollocationOperators)
+    x, y = operators.frame.position[:, :2].T
+    turn, angle = np.deg2rad(20.0), np.deg2rad(20.0) * x
+    # v = y: the flux along y is D_yy = k + (1 - k) sin^2, along x D_xy = (1 - k) sin cos of the angle
+    control = spsolve(operators.values.tocsc(), y)
+    found = (operators.laplacian @ control)[operators.interior]
+    exact = 0.75 * turn * np.cos(2.0 * angle)
+    # v is in the space, derivatives are exact: rounding of second derivatives
+    np.testing.assert_allclose(found, exact[operators.interior], atol=1e-9)
