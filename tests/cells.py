@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from pipeline.config import load, read_toml
 from stages.electrophysiology.cell_config import CellConfig
-from stages.electrophysiology.single_cell import CellState, Pulse, Trace
+from stages.electrophysiology.single_cell import CellState, Pulse, Trace, plain_rates
 from stages.numerics.bsplines import Array
 from workflows.registry import parameter_files
 
@@ -38,12 +38,7 @@ def module_of(model: object) -> ModuleType:
 
 def slope(config: CellConfig, y: Array, applied: float) -> Array:
     """d/dt of (potential, states, stress) by the plain functions of the models."""
-    cell, law = config.cell_model, config.tension_law
-    v, s, sigma = float(y[0]), tuple(y[1:-1].tolist()), float(y[-1])
-    rate, target = module_of(law).relaxation(v, law.constants())
-    current = module_of(cell).ionic_current(v, s, cell.constants())
-    states = module_of(cell).state_rates(v, s, cell.constants())
-    return np.array([applied - current, *states, rate * (target - sigma)])
+    return plain_rates(config)(y, applied)
 
 
 def integrated(

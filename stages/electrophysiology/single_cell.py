@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -118,6 +119,29 @@ def follow_as_published(
     advance = compile_reaction(config.cell_model, config.tension_law).advance
     _published_recorder(advance)(cells, applied, duration / steps, trace, *constants)
     return Trace(time, *trace)
+
+
+def plain_rates(config: CellConfig) -> Callable[[Array, float], Array]:
+    """The equations in plain Python, for other integrators.
+
+    The function takes (potential, states, stress) as one array and the applied current over
+    capacitance in mV/ms, and returns the rates in the same order.
+    """
+    cell, tension = config.cell_model.constants(), config.tension_law.constants()
+    equations = sys.modules[type(config.cell_model).__module__]
+    law = sys.modules[type(config.tension_law).__module__]
+
+    def rates(y: Array, applied: float) -> Array:
+        v, s, sigma = float(y[0]), tuple(y[1:-1].tolist()), float(y[-1])
+        if config.tension_law.linear:
+            rate, target = law.relaxation(v, tension)
+            stress_rate = rate * (target - sigma)
+        else:
+            stress_rate = law.tension_rate(v, sigma, tension)
+        current = equations.ionic_current(v, s, cell)
+        return np.array([applied - current, *equations.state_rates(v, s, cell), stress_rate])
+
+    return rates
 
 
 def mean_rates(pulses: Sequence[Pulse], time: Array) -> Array:
