@@ -8,6 +8,8 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, Section, quantity, setting
+from stages.geometry.shapes.base import AnyShape
+from stages.geometry.shapes.flat import Flat
 
 THICKEST = 0.2
 """Of the smaller side: beyond it Kirchhoff and Love's assumption (sec. 2.2) has no meaning."""
@@ -35,7 +37,7 @@ class LayerConfig(Section):
 
 
 class FilmConfig(Section):
-    """Flat rectangular film: of two layers (sec. 4.1, Fig. 2), or of the layers listed."""
+    """Rectangular film, flat or bent: of two layers (sec. 4.1, Fig. 2), or of the layers listed."""
 
     length: float = quantity("mm", "length L1 of the film, along X", "sec. 4.1", gt=0)
     width: float = quantity("mm", "width L2 of the film, along Y", "sec. 4.1", gt=0)
@@ -53,6 +55,11 @@ class FilmConfig(Section):
         "layers from bottom to top, in place of the two; none: substrate below, active above",
         "eqs. 34-35",
         default=(),
+    )
+    shape: AnyShape = setting(
+        "how the film lies in space at rest, by name; lengths are along it",
+        "sec. 4.1",
+        default=Flat(),
     )
 
     @property
@@ -93,6 +100,21 @@ class FilmConfig(Section):
                     "{count} layers are called {name}: give each layer its own name",
                     {"count": names.count(name), "name": repr(name)},
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _can_have_its_shape(self) -> FilmConfig:
+        for problem in self.shape.problems(self.length, self.width):
+            raise PydanticCustomError("shape", "shape: {problem}", {"problem": problem})
+        radius = self.shape.smallest_radius(self.length, self.width)
+        thickness = sum(layer.thickness for layer in self.lay_up)
+        if radius is not None and thickness > THICKEST * radius:
+            raise PydanticCustomError(
+                "shape",
+                "shape: a film {thickness} mm thick is too thick to be bent to a radius of {radius} mm: at "
+                "most a fifth of the radius is a shell",
+                {"thickness": f"{thickness:g}", "radius": f"{radius:.4g}"},
+            )
         return self
 
     @model_validator(mode="after")

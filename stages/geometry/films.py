@@ -1,16 +1,13 @@
-"""Flat layered films and the meshes refined from them."""
+"""Layered films and the meshes laid over them."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from stages.artefacts import ExcitableSurface, Laminate, Layer, MidSurface
 from stages.geometry.config import FilmConfig, MeshConfig
 from stages.numerics.patches import Patch
 from stages.numerics.surface_geometry import offset
-
-
-def flat_film(film: FilmConfig) -> Patch:
-    """Mid-surface [0, L1] x [0, L2] at Z = 0 as one bilinear patch; theta in the unit square."""
-    return Patch.rectangle(film.length, film.width)
 
 
 def laminate_of(film: FilmConfig) -> Laminate:
@@ -29,25 +26,30 @@ def laminate_of(film: FilmConfig) -> Laminate:
     )
 
 
-def shell_mid_surface(base: Patch, mesh: MeshConfig) -> MidSurface:
-    """Mechanics mesh: ``base`` after degree elevation and knot insertion."""
-    return MidSurface(base.refine(mesh.degree, mesh.elements))
+def film_patch(film: FilmConfig, mesh: MeshConfig) -> Patch:
+    """The film's mid-surface on a mesh; parameters mean the same points of the film on every mesh."""
+    patch = film.shape.patch(film.length, film.width, mesh.degree, mesh.elements)
+    return patch if film.shape.is_flat else replace(patch, extent=(film.length, film.width))
 
 
-def active_mid_surface(base: Patch, film: FilmConfig, mesh: MeshConfig) -> ExcitableSurface:
+def shell_mid_surface(film: FilmConfig, mesh: MeshConfig) -> MidSurface:
+    """Mid-surface on the mechanics mesh."""
+    return MidSurface(film_patch(film, mesh))
+
+
+def active_mid_surface(film: FilmConfig, mesh: MeshConfig) -> ExcitableSurface:
     """Electrophysiology mesh on the mid-surface of the topmost active layer.
 
     The shell's mid-surface moved along its normal, by (d - d_a)/2 where that layer lies on top (eq. 13):
-    a translation where the film is flat, else the offset interpolated at the Greville points of the
-    refined mesh.
+    a translation where the film is flat, else the exact offset interpolated at the Greville points of the
+    refined mesh. X and Y go on to be those of the film.
 
     Raises
     ------
     ValueError
         If no layer is active.
     """
-    distance = active_depth(laminate_of(film))
-    return ExcitableSurface(offset(base.refine(mesh.degree, mesh.elements), distance))
+    return ExcitableSurface(offset(film_patch(film, mesh), active_depth(laminate_of(film))))
 
 
 def active_depth(laminate: Laminate) -> float:

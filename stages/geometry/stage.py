@@ -15,15 +15,13 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
     """
     from stages.geometry.films import (
         active_mid_surface,
-        flat_film,
         laminate_of,
         shell_mid_surface,
     )
 
-    base = flat_film(config.film)
     return FilmGeometry(
-        excitable_surface=active_mid_surface(base, config.film, config.excitable_mesh),
-        mid_surface=shell_mid_surface(base, config.shell_mesh),
+        excitable_surface=active_mid_surface(config.film, config.excitable_mesh),
+        mid_surface=shell_mid_surface(config.film, config.shell_mesh),
         laminate=laminate_of(config.film),
     )
 
@@ -31,7 +29,8 @@ def geometry(config: GeometryStageConfig) -> FilmGeometry:
 @stage
 def shell_geometry(config: ShellGeometryConfig) -> ShellGeometry:
     """Refined mid-surface of the shell and the film's layers, where no cells need a surface."""
-    from stages.geometry.films import flat_film, laminate_of, shell_mid_surface
+    from stages.geometry.films import laminate_of, shell_mid_surface
 
-    base = flat_film(config.film)
-    return ShellGeometry(shell_mid_surface(base, config.shell_mesh), laminate_of(config.film))
+    return ShellGeometry(
+        shell_mid_surface(config.film, config.shell_mesh), laminate_of(config.film)
+    )

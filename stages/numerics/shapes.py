@@ -51,7 +51,7 @@ def cylindrical_panel(radius: float, length: float, angles: Angles) -> Patch:
     [[25.0, 0.0, 25.0]]
     """
     _check_positive(radius=radius, length=length)
-    arc, weights = _unit_arc(angles)
+    arc, weights = unit_arc(angles)
     net = np.empty((2, 3, 3))
     net[..., 0] = np.array([[0.0], [length]])
     net[..., 1], net[..., 2] = radius * arc[:, 1], radius * arc[:, 0]
@@ -78,8 +78,8 @@ def spherical_panel(radius: float, longitudes: Angles, latitudes: Angles) -> Pat
     10.0
     """
     _check_positive(radius=radius)
-    around, weights1 = _unit_arc(longitudes)
-    upwards, weights2 = _unit_arc(latitudes)
+    around, weights1 = unit_arc(longitudes)
+    upwards, weights2 = unit_arc(latitudes)
     if abs(latitudes[0]) > 90.0 or abs(latitudes[1]) > 90.0:
         raise ValueError(f"latitudes {latitudes} degrees pass a pole: they lie in [-90, 90]")
     net = np.empty((3, 3, 3))
@@ -88,7 +88,7 @@ def spherical_panel(radius: float, longitudes: Angles, latitudes: Angles) -> Pat
     return Patch(*(SplineSpace.uniform(2, 1),) * 2, net, np.outer(weights1, weights2))
 
 
-def _unit_arc(angles: Angles) -> tuple[Array, Array]:
+def unit_arc(angles: Angles) -> tuple[Array, Array]:
     """Control points (cos, sin), shape ``(3, 2)``, and weights of an arc of the unit circle.
 
     The end tangents meet at the distance 1/cos(half the opening), with weight cos(half the opening).

@@ -1,0 +1,1 @@
+"""Shapes of a film at rest, one per file, picked by ``name``."""
