@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stages.mechanics.config import EquilibriumConfig
+from workflows.film_quantities import of_flat_films
 from workflows.imposed_film import FILM, PROBES, SHAPES, ImposedFilmConfig, plan_film
 from workflows.stability import MODES, MODES_FILE, stability_quantities
 from workflows.stoney import bias_quantities, bias_remarks, modified_stoney
@@ -44,13 +45,13 @@ def quantities(experiment: Experiment) -> dict[str, Quantity]:
     """The numbers that an experimenter would write down, at the end of the loading."""
     shape = experiment.shape
     found = {
-        "curvature": Quantity(
-            float(shape.curvature[-1]),
+        "curvature": of_flat_films(
+            shape.curvature[-1],
             "1/mm",
             "curvature, from the length of the film's projection as in experiments",
         ),
-        "projected_length": Quantity(
-            float(shape.projected_length[-1]), "mm", "length of the film seen from above"
+        "projected_length": of_flat_films(
+            shape.projected_length[-1], "mm", "length of the film seen from above"
         ),
         "tip_ux": Quantity(
             float(shape.tip[-1, 0]),

@@ -55,6 +55,9 @@ def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
         for label, table in tables.items():
             place = getattr(table, "position", None) or (0.0, 0.0)
             yield from off_the_film(f"mechanics.{section}.{label}.position", place, film)
+            if table.kind != "free":
+                edge = getattr(table, "edge", None)
+                yield from _at_a_seam(f"mechanics.{section}.{label}", edge, film)
 
 
 def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
@@ -62,6 +65,16 @@ def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> It
     for i, stimulus in enumerate(cells.stimuli):
         for problem in stimulus.off_the_film(film.length, film.width):
             yield f"electrophysiology.stimuli.{i}: {problem}"
+        yield from _at_a_seam(f"electrophysiology.stimuli.{i}", stimulus.on_edge(), film)
+
+
+def _at_a_seam(name: str, edge: str | None, film: FilmConfig) -> Iterator[str]:
+    if edge is not None and film.shape.closed["XY".index(edge[0])]:
+        others = " and ".join(("Y=0", "Y=L2") if edge[0] == "X" else ("X=0", "X=L1"))
+        yield (
+            f"{name}: there is no edge {edge}, since the film closes there to a {film.shape.name}; its "
+            f"edges are {others}"
+        )
 
 
 def off_the_film(name: str, place: tuple[float, float], film: FilmConfig) -> Iterator[str]:

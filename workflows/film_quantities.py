@@ -21,8 +21,8 @@ def quantities(measures: Measures) -> dict[str, Quantity]:
             "mm/ms",
             "speed of the first electrical front along the middle of the film",
         ),
-        "max_curvature": Quantity(
-            float(measures.curvature.max()),
+        "max_curvature": of_flat_films(
+            measures.curvature.max(),
             "1/mm",
             "largest curvature, from the length of the film's projection as in experiments",
         ),
@@ -30,6 +30,13 @@ def quantities(measures: Measures) -> dict[str, Quantity]:
     for i, name in enumerate(measures.probe_names):
         found |= _probe_quantities(measures, i, name)
     return found
+
+
+def of_flat_films(value: float, unit: str, meaning: str) -> Quantity:
+    """What is read off the projection of a film that is flat at rest; nothing of any other film."""
+    if math.isfinite(value):
+        return Quantity(float(value), unit, meaning)
+    return Quantity(None, unit, f"{meaning}: not measured, since this film is not flat at rest")
 
 
 def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quantity]:

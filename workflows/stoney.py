@@ -48,11 +48,14 @@ def modified_stoney(config: ImposedFilmConfig) -> float | None:
 
 
 def is_bilayer(config: ImposedFilmConfig) -> bool:
-    """Whether one substrate lies below one muscle, clamped at X = 0 alone, and only the muscle bends it."""
+    """Whether a flat film of muscle on substrate is clamped at X = 0 alone, and only the muscle bends it."""
     held = [one for one in config.mechanics.supports.values() if one.kind != "free"]
     clamps = [one for one in held if isinstance(one, Clamped | ClampedNormal) and one.edge == "X=0"]
     return (
-        not config.geometry.layers and not config.mechanics.loads and len(held) == len(clamps) == 1
+        config.geometry.shape.is_flat
+        and not config.geometry.layers
+        and not config.mechanics.loads
+        and len(held) == len(clamps) == 1
     )
 
 

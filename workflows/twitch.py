@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from stages.mechanics.config import MechanicsConfig
+from workflows.film_quantities import of_flat_films
 from workflows.imposed_film import FILM, PROBES, SHAPES, ImposedFilmConfig, plan_film
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -31,8 +32,8 @@ def quantities(experiment: Experiment) -> dict[str, Quantity]:
     """The numbers that an experimenter would write down, the largest over time."""
     shape = experiment.shape
     return {
-        "max_curvature": Quantity(
-            float(shape.curvature.max()),
+        "max_curvature": of_flat_films(
+            shape.curvature.max(),
             "1/mm",
             "largest curvature, from the length of the film's projection as in experiments",
         ),

@@ -29,7 +29,9 @@ def laminate_of(film: FilmConfig) -> Laminate:
 def film_patch(film: FilmConfig, mesh: MeshConfig) -> Patch:
     """The film's mid-surface on a mesh; parameters mean the same points of the film on every mesh."""
     patch = film.shape.patch(film.length, film.width, mesh.degree, mesh.elements)
-    return patch if film.shape.is_flat else replace(patch, extent=(film.length, film.width))
+    if film.shape.is_flat:
+        return patch
+    return replace(patch, closed=film.shape.closed, extent=(film.length, film.width))
 
 
 def shell_mid_surface(film: FilmConfig, mesh: MeshConfig) -> MidSurface:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
@@ -65,12 +66,11 @@ class FilmLengths:
         """
         space, name = self.patch.spaces[direction], "XY"[direction]
         lengths = np.asarray(lengths, dtype=float)
-        total = self.size[direction]
-        off = (lengths < -SLACK * total) | (lengths > (1 + SLACK) * total) | np.isnan(lengths)
+        off = self._off(direction, lengths)
         if off.any():
             raise ValueError(
                 f"{name} = {lengths[off][0]:.10g} mm does not lie on the film, on which {name} runs from 0 "
-                f"to {total:.10g} mm"
+                f"to {self.size[direction]:.10g} mm"
             )
         low, high = space.knots[0], space.knots[-1]
         at_breaks = self._scale(direction) * self._at_breaks(direction)
@@ -94,8 +94,19 @@ class FilmLengths:
             If a point lies off the film.
         """
         points = np.atleast_2d(np.asarray(points, dtype=float))
+        off = self._off(0, points[:, 0]) | self._off(1, points[:, 1])
+        if off.any():
+            raise ValueError(
+                f"the point {points[off][0].tolist()} mm does not lie on the film, on which X runs from 0 to "
+                f"{self.size[0]:.10g} and Y from 0 to {self.size[1]:.10g} mm"
+            )
         columns = [self.parameters_along(d, points[:, d]) for d in (0, 1)]
         return np.stack(columns, axis=1)
+
+    def _off(self, direction: int, lengths: Array) -> NDArray[np.bool_]:
+        total = self.size[direction]
+        inside = (lengths >= -SLACK * total) & (lengths <= (1 + SLACK) * total)
+        return np.asarray(~inside)  # NaN lies nowhere
 
     def _total(self, direction: int) -> float:
         return float(self._at_breaks(direction)[-1])
@@ -127,3 +138,21 @@ class FilmLengths:
         at[direction] = theta
         orders = (1, 0) if direction == 0 else (0, 1)
         return np.asarray(np.linalg.norm(self.patch.evaluate(at[0], at[1], orders), axis=1))
+
+
+def length_between(patch: Patch, theta2: float, gates: Array) -> float:
+    """Length of the line theta2 = const between two values of theta1, on the patch itself, mm.
+
+    Examples
+    --------
+    >>> round(length_between(Patch.rectangle(3.5, 2.0), 0.3, np.array([0.2, 0.6])), 14)
+    1.4
+    """
+    low, high = (float(gate) for gate in gates)
+    inner = patch.first.breaks
+    ends = np.concatenate(([low], inner[(inner > low) & (inner < high)], [high]))
+    half = 0.5 * np.diff(ends)
+    theta1 = (ends[:-1] + half)[:, None] + half[:, None] * NODES
+    tangents = patch.evaluate(theta1.ravel(), np.array([theta2]), (1, 0))
+    speed = np.linalg.norm(tangents, axis=1).reshape(theta1.shape)
+    return float(np.sum((speed @ WEIGHTS) * half))

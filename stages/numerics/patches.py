@@ -27,6 +27,9 @@ class Patch:
         Shape ``(m1, m2, 3)``, mm.
     weights
         All > 0, shape ``(m1, m2)``; none: a polynomial patch.
+    closed
+        Directions in which the patch closes to a tube: its two edges are one line, the seam, across
+        which it is smooth.
     extent
         Length and width in mm that the film's own coordinates X and Y run over
         (:class:`~stages.numerics.film_lengths.FilmLengths`); none: the patch's own lengths.
@@ -45,6 +48,7 @@ class Patch:
     second: SplineSpace
     control_points: Array = field(metadata={"unit": "mm", "axes": ("row", "column", "xyz")})
     weights: Array | None = field(default=None, metadata={"axes": ("row", "column")})
+    closed: tuple[bool, bool] = (False, False)
     extent: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:

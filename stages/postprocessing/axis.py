@@ -22,9 +22,9 @@ class AxisSeries:
     Attributes
     ----------
     projected_length
-        Its largest X, mm, shape ``(time,)``.
+        Its largest X, mm, shape ``(time,)``; NaN unless the film is flat at rest.
     curvature
-        From that and its own length (eq. 101), 1/mm, shape ``(time,)``.
+        From that and its own length (eq. 101), 1/mm, shape ``(time,)``; likewise.
     turning
         Largest angle between two of its tangents, seen along Y, degrees, shape ``(time,)``.
     """
@@ -37,38 +37,51 @@ class AxisSeries:
 def follow_axis(film: Patch, displacement: StoredFrames, theta2: float) -> AxisSeries:
     """Series of a line of the deformed film.
 
+    Projection and curvature are those of experiments with films that are flat at rest; of another one they
+    are NaN, since its projection says nothing about how far it has bent.
+
     Parameters
     ----------
     film
-        Undeformed mid-surface, clamped at X = 0.
+        Undeformed mid-surface, held at X = 0.
     displacement
         Of the control points, shape ``(time, control point, xyz)``, mm.
     theta2
         Parameter of the line.
-
-    Raises
-    ------
-    ValueError
-        If the film is rational: films that are flat at rest are not.
     """
-    if film.weights is not None:
-        raise ValueError(
-            "the projected length belongs to a film that is flat at rest; this one has weights, as "
-            "exact cylinders and spheres do: use a patch without weights"
-        )
-    across = film.second.evaluate(np.array([theta2]))[0]
-    line = np.einsum("j,ijx->ix", across, film.control_points)
     samples = SAMPLES_PER_ELEMENT * film.first.elements + 1
     at = np.linspace(film.first.knots[0], film.first.knots[-1], samples)
-    slopes = film.first.evaluate(at, 1)
-    projected, turning = np.empty(displacement.shape[0]), np.empty(displacement.shape[0])
-    for frames, block in blocks(displacement):
-        net = block.reshape(len(block), film.first.size, film.second.size, 3)
-        moved = line + np.einsum("tijx,j->tix", net, across)
-        projected[frames] = [widest_point(film.first, x) for x in moved[:, :, 0]]
-        tangents = np.einsum("si,tix->tsx", slopes, moved)
+    slopes = film.functions(np.column_stack((at, np.full(samples, theta2))), (1, 0))
+    used = np.flatnonzero(np.any(slopes != 0.0, axis=0))
+    slopes, net = slopes[:, used], film.control_points.reshape(-1, 3)
+    frames = displacement.shape[0]
+    projected, curvature, turning = (np.full(frames, np.nan) for _ in range(3))
+    flat = is_flat(film)
+    if flat:
+        across = film.second.evaluate(np.array([theta2]))[0]
+        line = np.einsum("j,ijx->ix", across, film.control_points)
+        length = arc_length(film.first, line)
+    for found, block in blocks(displacement):
+        tangents = np.einsum("sp,tpx->tsx", slopes, net[used] + block[:, used])
         angles = np.unwrap(np.arctan2(tangents[:, :, 2], tangents[:, :, 0]), axis=1)
-        turning[frames] = np.degrees(np.ptp(angles, axis=1))
-    length = arc_length(film.first, line)
-    curvature = np.array([curvature_from_projection(x, length) for x in projected])
+        turning[found] = np.degrees(np.ptp(angles, axis=1))
+        if flat:
+            moved = block.reshape(len(block), film.first.size, film.second.size, 3)[..., 0]
+            widest = line[:, 0] + np.einsum("tij,j->ti", moved, across)
+            projected[found] = [widest_point(film.first, x) for x in widest]
+    if flat:
+        curvature = np.array([curvature_from_projection(x, length) for x in projected])
     return AxisSeries(projected, curvature, turning)
+
+
+def is_flat(film: Patch) -> bool:
+    """Whether a film lies in a plane Z = const, and so has a projection to be measured.
+
+    Examples
+    --------
+    >>> is_flat(Patch.rectangle(3.5, 2.0))
+    True
+    """
+    net = film.control_points.reshape(-1, 3)
+    size = np.ptp(net, axis=0)
+    return film.weights is None and bool(size[2] <= 1e-9 * size.max())

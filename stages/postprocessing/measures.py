@@ -12,6 +12,7 @@ from stages.artefacts import (
     MidSurface,
 )
 from stages.numerics.bsplines import Array
+from stages.numerics.film_lengths import FilmLengths, length_between
 from stages.numerics.patches import Patch
 from stages.postprocessing.axis import follow_axis
 from stages.postprocessing.beats import arrival_times, beat_peaks, beats_at, conduction_velocity
@@ -21,7 +22,6 @@ from stages.postprocessing.probes import (
     collocation_weights,
     control_weights,
     place_parameters,
-    probe_parameters,
     resample,
     series,
 )
@@ -62,11 +62,10 @@ def take_measures(
     beats = beats_at(cells, events, theta, maps)
     arrivals = beats["activation_times"]
 
-    height = film.evaluate_points(np.array([(0.0, theta2)]))[0, 1]
-    gates = probe_parameters(film, np.array([(x, height) for x in config.velocity_window]))
+    gates = FilmLengths.of(film).parameters_along(0, np.array(config.velocity_window))
     way = np.linspace(gates[0], gates[1], _points_between(cells, gates))
-    passing = arrival_times(cells, events, way)
-    distance = float(np.linalg.norm(np.diff(film.evaluate_points(way), axis=0), axis=1).sum())
+    passing = arrival_times(cells, events, np.column_stack((way, np.full(way.size, theta2))))
+    distance = length_between(cells, theta2, gates)
 
     level = config.tip_potential
     axis = follow_axis(film, deformation.displacement, theta2)
@@ -89,5 +88,5 @@ def take_measures(
 def _points_between(cells: Patch, gates: Array) -> int:
     """Number of points that divides a line along X as finely as the collocation points."""
     greville = cells.first.greville()
-    low, high = gates[:, 0]
+    low, high = gates
     return int(((greville > low) & (greville < high)).sum()) + 2

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from stages.numerics.bsplines import Array
+from stages.numerics.film_lengths import FilmLengths
 from stages.numerics.patches import Patch
-from stages.numerics.surface_geometry import locate
 from stages.numerics.time_series import StoredFrames, TimeSeries, blocks
 from stages.postprocessing.config import Place
 
@@ -37,16 +37,16 @@ def axis_parameter(film: Patch, axis: float | str) -> float:
     """Parameter theta2 of the line Y = ``axis`` (mm) along X; ``"middle"``: half the width."""
     if isinstance(axis, str):
         return 0.5
-    return float(probe_parameters(film, np.array([(0.0, axis)]))[0, 1])
+    return float(FilmLengths.of(film).parameters_along(1, np.array([axis]))[0])
 
 
 def probe_parameters(film: Patch, points: Array) -> Array:
-    """Parameters of the points of the undeformed film that lie over (X, Y).
+    """Parameters of the points (X, Y) of the film, lengths along it.
 
     Parameters
     ----------
     film
-        Undeformed mid-surface; over every (X, Y) there is at most one point of it.
+        Undeformed mid-surface.
     points
         Shape ``(probes, 2)``, mm.
 
@@ -60,8 +60,7 @@ def probe_parameters(film: Patch, points: Array) -> Array:
     ValueError
         If a point lies outside the film.
     """
-    shadow = film.with_net(film.control_points * np.array([1.0, 1.0, 0.0]))
-    return locate(shadow, np.column_stack((points, np.zeros(len(points)))))
+    return FilmLengths.of(film).parameters(points)
 
 
 def control_weights(patch: Patch, theta: Array) -> Array:

@@ -11,6 +11,7 @@ from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.projection import GaussProjection
 from stages.numerics.quadrature import quadrature_grid
+from stages.numerics.surface_geometry import frame_on_grid
 from stages.postprocessing.axis import follow_axis
 from stages.postprocessing.config import ShapeConfig
 from stages.postprocessing.probes import (
@@ -68,8 +69,9 @@ def self_contact(measures: ShapeMeasures) -> Iterator[str]:
 
 
 def _mean(film: Patch, points: int) -> Array:
-    """Weights of the mean over a film whose parameters are proportional to its lengths."""
+    """Weights of the mean over the area of the undeformed film."""
     per_element = round((points / (film.first.elements * film.second.elements)) ** 0.5)
     grid = quadrature_grid(film, per_element)
-    weights = np.outer(grid.weights1, grid.weights2).ravel()
+    area = frame_on_grid(film, grid.theta1, grid.theta2).area
+    weights = np.outer(grid.weights1, grid.weights2).ravel() * area
     return np.asarray(weights / weights.sum())[None, :]

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from stages.numerics.bsplines import Array, SplineSpace
+from stages.numerics.film_lengths import FilmLengths
 from stages.numerics.projection import GaussProjection
 from workflows.experiment import Experiment
 
@@ -33,8 +34,7 @@ class FilmGrid:
 
         Across, their number is even: the mid-axis, on which the probes are, is a line of the grid.
         """
-        net = experiment.geometry.mid_surface.patch.control_points
-        length, width, _ = np.ptp(net.reshape(-1, 3), axis=0)
+        length, width = FilmLengths.of(experiment.geometry.mid_surface.patch).size
         across = max(2 * round(quads_along * width / length / 2), 2)
         return cls(experiment, (quads_along + 1, across + 1))
 

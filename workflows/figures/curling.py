@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from stages.artefacts import ShapeMeasures
 from stages.numerics.bsplines import Array
 from workflows.experiment import Experiment
@@ -17,6 +19,9 @@ def write(experiment: Experiment, folder: Path) -> None:
     with drawing(10.4, 3.9) as figure:
         curvature, tip = figure.subplots(1, 2)
         curvature.plot(along, shape.curvature, "o-", ms=3)
+        if np.isnan(shape.curvature).all():
+            said = {"ha": "center", "va": "center", "transform": curvature.transAxes}
+            curvature.text(0.5, 0.5, "read off films that are flat at rest only", **said)
         curvature.set_ylabel("curvature $1/R$ [1/mm]")
         tip.plot(along, shape.tip[:, 0], "o-", ms=3, label="along the film, $u_x$")
         tip.plot(along, shape.tip[:, 2], "s-", ms=3, label="away from its plane, $u_z$")

@@ -107,8 +107,8 @@ def _draw_film(
 
 
 def _draw_measures(axes: Axes3D, panel: Panel) -> None:
-    """Directions, a length of 1 mm, and how edges are held, in the plane of the film at rest."""
-    corner, far = panel.reference[0, 0], panel.reference[-1, -1]
+    """Directions, a length of 1 mm, and how edges are held, beside and below the film at rest."""
+    corner, far = panel.reference.min(axis=(0, 1)), panel.reference.max(axis=(0, 1))
     bar = corner + np.array([[0.0, -0.3, 0.0], [1.0, -0.3, 0.0]])
     axes.plot(*bar.T, color=INK, lw=1.6, clip_on=False)
     look = {"color": INK, "fontsize": 9, "ha": "center", "va": "center"}

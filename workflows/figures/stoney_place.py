@@ -38,7 +38,7 @@ def write(experiment: Experiment, folder: Path) -> None:
             axes.legend(loc="upper right")
         else:
             reason = (
-                "no closed form for this film\n(two layers, clamped at X = 0 alone, no loads, "
+                "no closed form for this film\n(flat, two layers, clamped at X = 0 alone, no loads, "
                 "fibres along X, a stress > 0)"
             )
             axes.text(0.5, 0.5, reason, ha="center", va="center", transform=axes.transAxes)

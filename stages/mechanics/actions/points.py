@@ -1,27 +1,27 @@
-"""Material points of the film, by where they lie in the undeformed one."""
+"""Material points of the film, by their lengths along the undeformed one."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from stages.numerics.bsplines import Array
+from stages.numerics.film_lengths import FilmLengths
 from stages.numerics.patches import Patch
-from stages.numerics.surface_geometry import locate
 
 NEGLIGIBLE = 1e-12
 """Value of a basis function that the search for the point leaves by round-off."""
 
 
 def functions_over(patch: Patch, position: tuple[float, float]) -> Array:
-    """Basis functions at the point of the undeformed film over (X, Y), shape ``(control point,)``.
+    """Basis functions at the point (X, Y) of the film, lengths along it, shape ``(control point,)``.
 
     Raises
     ------
     ValueError
         If (X, Y) lies outside the film.
     """
-    shadow = patch.with_net(patch.control_points * np.array([1.0, 1.0, 0.0]))
-    return functions_at(patch, tuple(locate(shadow, np.array([[*position, 0.0]]))[0]))
+    (theta,) = FilmLengths.of(patch).parameters(np.array([position]))
+    return functions_at(patch, (float(theta[0]), float(theta[1])))
 
 
 def functions_at(patch: Patch, parameters: tuple[float, float]) -> Array:

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stages.mechanics.actions.seams import seams
 from stages.mechanics.supports.base import Support
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.numerics.ties import ContradictionError, Relation, Ties, eliminate
 from stages.time_laws.base import TimeLaw
+
+SEAM = "(seam)"
+"""Label of what holds a tube together; no support is called so."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +69,8 @@ def constrain(patch: Patch, supports: Mapping[str, Support]) -> Constraints:
     >>> int(constrain(film, {"clamp": Clamped(edge="X=0")}).ties.dependent.sum())
     30
     """
-    relations: list[tuple[Relation, int]] = []
-    labels: list[str] = []
+    relations: list[tuple[Relation, int]] = [(relation, -1) for relation in seams(patch)]
+    labels: list[str] = [SEAM] * len(relations)
     drives: list[Drive] = []
     for label, support in sorted(supports.items()):
         try:
@@ -97,7 +101,9 @@ def _contradiction(error: ContradictionError, labels: Sequence[str]) -> ValueErr
 
 
 def _check_each_adds_something(labels: Sequence[str], repeated: Sequence[int]) -> None:
-    idle = set(labels) - {label for i, label in enumerate(labels) if i not in set(repeated)}
+    idle = (
+        set(labels) - {SEAM} - {label for i, label in enumerate(labels) if i not in set(repeated)}
+    )
     for label in sorted(idle):
         raise ValueError(
             f"support {label!r} holds nothing that other supports do not hold already: leave it out, "
