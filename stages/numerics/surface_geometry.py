@@ -9,6 +9,7 @@ import numpy as np
 
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
+from stages.numerics.tubes import interpolate_closed
 
 
 @dataclass(frozen=True)
@@ -107,11 +108,21 @@ def frame_at(patch: Patch, theta: Array) -> SurfaceFrame:
 def offset(patch: Patch, distance: float) -> Patch:
     """Parallel surface at ``distance`` along the normal, interpolated at the Greville points.
 
-    Exact on flat patches; on curved ones exact at the Greville points and convergent with the mesh.
+    Exact on flat patches; on curved ones exact at the Greville points and convergent with the mesh. The
+    offset of a tube is as smooth across its seam as the tube.
     """
     theta = (patch.first.greville(), patch.second.greville())
     frame = frame_on_grid(patch, *theta)
-    return patch.interpolate(frame.position + distance * frame.normal)
+    points = frame.position + distance * frame.normal
+    if not any(patch.closed):
+        return patch.interpolate(points)
+    net = points.reshape(patch.first.size, patch.second.size, 3)
+    for direction, (space, closed) in enumerate(zip(patch.spaces, patch.closed, strict=True)):
+        lines = np.moveaxis(net, direction, 0)
+        flat = lines.reshape(space.size, -1)
+        found = interpolate_closed(space, flat[1:-1]) if closed else space.interpolate(flat)
+        net = np.moveaxis(found.reshape(lines.shape), 0, direction)
+    return patch.with_net(np.ascontiguousarray(net))
 
 
 def locate(patch: Patch, targets: Array, tolerance: float = 1e-10) -> Array:
