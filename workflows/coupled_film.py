@@ -119,6 +119,17 @@ def plan(config: CoupledFilmConfig) -> Mapping[str, Node[Any]]:
 
 ALL_BUT_TRANSFER = ("geometry", "electrophysiology", "mechanics")
 
+MAPS = Export(
+    files=("activation_maps.png", "activation_maps.svg"),
+    modules=("workflows.figures.activation_maps",),
+    stages=("geometry", "electrophysiology"),
+    kind="picture",
+    caption="Beat by beat, left: activation time with isochrones and the velocity of the front (an arrow "
+    "of usual speed is 0.7 of the arrows' spacing long); right: action potential duration to 90 % "
+    "repolarisation. White: no such beat, or cut short by the next one.",
+)
+"""What every beat does over the film."""
+
 DATA = (
     Export(
         files=("probes.csv",),
@@ -126,6 +137,29 @@ DATA = (
         stages=("postprocessing",),
         kind="data",
         caption="Displacement, active stress and potential of each probe over time.",
+    ),
+    Export(
+        files=("beats.csv",),
+        modules=("workflows.exports.beats",),
+        stages=("postprocessing",),
+        kind="data",
+        caption="Activation, repolarisation, durations and peaks of every beat at each probe.",
+    ),
+    Export(
+        files=("tips.csv",),
+        modules=("workflows.exports.tips",),
+        stages=("postprocessing",),
+        kind="data",
+        caption="Paths of the tips of spiral waves, frame by frame.",
+        shown=lambda config: config.postprocessing.tip_potential is not None,
+    ),
+    Export(
+        files=("maps.vtkhdf",),
+        modules=("workflows.exports.paraview_maps",),
+        stages=("geometry", "electrophysiology"),
+        kind="data",
+        caption="Activation, repolarisation, durations, peaks and velocity of every beat over the "
+        "film, for ParaView 5.12 or newer.",
     ),
     Export(
         files=("film.vtkhdf",),

@@ -40,20 +40,20 @@ def of_flat_films(value: float, unit: str, meaning: str) -> Quantity:
 
 
 def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quantity]:
-    beats = [
-        (time, peak)
-        for time, peak in zip(
-            listed(measures.activation_times[i]),
-            listed(measures.peak_active_stress[i]),
-            strict=True,
-        )
-        if time is not None
-    ]
-    reached = [float(measures.active_stress[:, i].max()), *(peak for _, peak in beats if peak)]
+    tables = (
+        measures.activation_times,
+        measures.peak_active_stress,
+        measures.repolarisation_times,
+        measures.apd50,
+        measures.apd90,
+    )
+    rows = zip(*(listed(table[i]) for table in tables), strict=True)
+    beats = [(time, *others) for time, *others in rows if time is not None]
+    reached = [float(measures.active_stress[:, i].max()), *(peak for _, peak, *_ in beats if peak)]
     motion = (measures.displacement[:, i] ** 2).sum(axis=-1) ** 0.5
     return {
         f"{name}.activation_times": Quantity(
-            [time for time, _ in beats],
+            [time for time, *_ in beats],
             "ms",
             f"when the electrical front arrives at {name}, beat by beat",
         ),
@@ -61,8 +61,19 @@ def _probe_quantities(measures: Measures, i: int, name: str) -> dict[str, Quanti
             max(reached), "kPa", f"how hard the muscle pulls at {name} at most"
         ),
         f"{name}.peak_active_stresses": Quantity(
-            [peak for _, peak in beats], "kPa", f"the same for each beat at {name}"
+            [peak for _, peak, *_ in beats], "kPa", f"the same for each beat at {name}"
         ),
+        f"{name}.repolarisation_times": Quantity(
+            [beat[2] for beat in beats],
+            "ms",
+            f"when {name} has come 90 % of the way back to rest, beat by beat",
+        ),
+        f"{name}.apd50": Quantity(
+            [beat[3] for beat in beats],
+            "ms",
+            f"action potential duration at {name}: from activation to 50 % repolarisation",
+        ),
+        f"{name}.apd90": Quantity([beat[4] for beat in beats], "ms", "the same to 90 %"),
         f"{name}.max_displacement": Quantity(
             float(motion.max()), "mm", f"how far {name} moves from its place at rest at most"
         ),

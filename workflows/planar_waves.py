@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from workflows.coupled_film import ALL_BUT_TRANSFER, DATA, CoupledFilmConfig, plan
+from workflows.coupled_film import ALL_BUT_TRANSFER, DATA, MAPS, CoupledFilmConfig, plan
 from workflows.film_quantities import quantities
 from workflows.workflow import Export, Workflow
 
@@ -33,6 +33,7 @@ WORKFLOW = Workflow(
             "and at the tip of the film (layout of Fig. 9).",
             arguments=("fig9",),
         ),
+        MAPS,
         *DATA,
     ),
 )

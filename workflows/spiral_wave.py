@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from workflows.coupled_film import ALL_BUT_TRANSFER, DATA, CoupledFilmConfig, plan
+from workflows.coupled_film import ALL_BUT_TRANSFER, DATA, MAPS, CoupledFilmConfig, plan
 from workflows.film_quantities import quantities
 from workflows.rotation import spiral_quantities
 from workflows.workflow import Export, Quantity, Workflow
@@ -46,6 +46,7 @@ WORKFLOW = Workflow(
             "and at the corner of the film (layout of Fig. 11).",
             arguments=("fig11",),
         ),
+        MAPS,
         *DATA,
     ),
 )

@@ -55,11 +55,14 @@ def synthetic_experiment(
         up = 0.5 * (1 + np.tanh(age / 4.0)) * 0.5 * (1 - np.tanh((age - 250.0 + 60 * beat) / 30.0))
         potential += 100.0 * up
         stress += (12.0 - 2.0 * beat) * up
+    arrivals = np.column_stack([start + x / 0.0175 for start in starts])
     history = history_with(
         time=time,
         potential=potential,
         active_stress=stress,
-        activation_times=np.column_stack([start + x / 0.0175 for start in starts]),
+        activation_times=arrivals,
+        apd90=np.full_like(arrivals, 250.0),
+        conduction_velocity=np.broadcast_to([0.0175, 0.0, 0.0], (*arrivals.shape, 3)),
     )
     deformation = _rolled(film, time[::5], stress[::5].mean(axis=1))
     measures = take_measures(

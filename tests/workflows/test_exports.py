@@ -6,15 +6,17 @@ import csv
 import resource
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+from stages.artefacts import TipPaths
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
-from workflows.exports import paraview, probes, vtkhdf
+from workflows.exports import beats, paraview, paraview_maps, probes, tips, vtkhdf
 from workflows.exports.files import ExportError, replacing
 from workflows.exports.sampling import FilmGrid
 
@@ -64,6 +66,71 @@ def test_the_paraview_series_holds_every_frame(experiment: Experiment, tmp_path:
         np.testing.assert_allclose(root["Points"][tip], moved, rtol=1e-6)
         shown = root["PointData/potential"][tip]
         np.testing.assert_allclose(shown, measures.potential[frame, 1], rtol=1e-6)
+
+
+def test_the_table_of_beats_has_a_row_for_every_beat_of_every_probe(
+    experiment: Experiment, tmp_path: Path
+) -> None:
+    nan = np.nan
+    measures = replace(
+        experiment.measures,
+        activation_times=np.array([[100.0, 568.0], [195.0, nan], [nan, nan]]),
+        repolarisation_times=np.array([[420.0, 860.0], [nan, nan], [nan, nan]]),
+        apd50=np.array([[280.0, 250.0], [270.0, nan], [nan, nan]]),
+        apd90=np.array([[320.0, 292.0], [nan, nan], [nan, nan]]),
+        peak_potential=np.array([[19.0, 18.0], [19.5, nan], [nan, nan]]),
+        peak_active_stress=np.array([[11.0, 10.0], [11.5, nan], [nan, nan]]),
+    )
+    beats.write(Experiment(None, {"postprocessing": measures}.__getitem__), tmp_path)
+    rows = list(csv.reader((tmp_path / "beats.csv").open()))
+    assert rows[0] == list(beats.HEADINGS)
+    assert rows[1:] == [
+        ["A", "1", "100", "420", "280", "320", "nan", "19", "11"],
+        ["A", "2", "568", "860", "250", "292", "148", "18", "10"],
+        ["B", "1", "195", "nan", "270", "nan", "nan", "19.5", "11.5"],
+    ]
+
+
+def test_the_table_of_tips_has_a_row_for_every_tip_in_every_frame(
+    experiment: Experiment, tmp_path: Path
+) -> None:
+    paths = TipPaths(
+        time=np.array([430.5, 431.5]),
+        number=np.ones(2),
+        position=np.array([[1.5, 0.25, 0.0], [1.75, 0.5, 0.0]]),
+        chirality=-np.ones(2),
+        heading=np.array([10.0, 9.0]),
+    )
+    measures = replace(experiment.measures, tips=paths)
+    tips.write(Experiment(None, {"postprocessing": measures}.__getitem__), tmp_path)
+    rows = list(csv.reader((tmp_path / "tips.csv").open()))
+    assert rows[0] == list(tips.HEADINGS)
+    assert rows[1:] == [
+        ["430.5", "1", "1.5", "0.25", "0", "-1", "10"],
+        ["431.5", "1", "1.75", "0.5", "0", "-1", "9"],
+    ]
+
+
+def test_maps_for_paraview_hold_what_was_measured_at_the_collocation_points(
+    experiment: Experiment, tmp_path: Path
+) -> None:
+    paraview_maps.write(experiment, tmp_path)
+    patch, history = experiment.geometry.excitable_surface.patch, experiment.history
+    with h5py.File(tmp_path / "maps.vtkhdf") as file:
+        root = file["VTKHDF"]
+        np.testing.assert_array_equal(root["Steps/Values"], [1.0])  # one beat
+        assert set(root["PointData"]) == set(paraview_maps.FIELDS)
+        places = patch.evaluate(*(space.greville() for space in patch.spaces))
+        np.testing.assert_allclose(root["Points"], places, rtol=1e-6)
+        shown = root["PointData/activation_times"]
+        np.testing.assert_allclose(shown, history.activation_times[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(root["PointData/conduction_velocity"][:, 0], 0.0175, rtol=1e-6)
+        assert np.isnan(root["PointData/apd50"]).all()
+    silent = replace(history, **{n: getattr(history, n)[:, :0] for n in paraview_maps.FIELDS})
+    records = {"geometry": experiment.geometry, "electrophysiology": silent}
+    paraview_maps.write(Experiment(None, records.__getitem__), tmp_path)
+    with h5py.File(tmp_path / "maps.vtkhdf") as file:
+        assert np.isnan(file["VTKHDF/PointData/activation_times"]).all()
 
 
 def test_the_paraview_file_is_the_same_every_time(experiment: Experiment, tmp_path: Path) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
-from workflows.figures import snapshots, traces
+from workflows.figures import activation_maps, snapshots, traces
+
+FIGURES = ("fig8", "fig9", "activation_maps")
 
 
 @pytest.fixture(scope="module")
@@ -17,15 +21,36 @@ def experiment() -> Experiment:
 
 
 def test_the_figures_are_the_same_bytes_every_time(experiment: Experiment, tmp_path: Path) -> None:
-    names = [f"{figure}.{kind}" for figure in ("fig8", "fig9") for kind in ("png", "svg")]
+    names = [f"{figure}.{kind}" for figure in FIGURES for kind in ("png", "svg")]
     written = []
     for _ in range(2):
         snapshots.write(experiment, tmp_path, "fig8")
         traces.write(experiment, tmp_path, "fig9")
+        activation_maps.write(experiment, tmp_path)
         written.append([(tmp_path / name).read_bytes() for name in names])
     assert written[0] == written[1]
     assert all(data.startswith(b"\x89PNG") for data in written[0][::2])
     assert all(b"</svg>" in data for data in written[0][1::2])
+
+
+@pytest.mark.parametrize("fired", [0.0, 0.5, 1.0], ids=["nowhere", "in one half", "everywhere"])
+def test_maps_are_drawn_wherever_there_are_beats(
+    fired: float, experiment: Experiment, tmp_path: Path
+) -> None:
+    history = experiment.history
+    times = np.array(history.activation_times)
+    times[int(fired * len(times)) :] = np.nan
+    velocity = np.where(np.isnan(times)[..., None], np.nan, history.conduction_velocity)
+    part = replace(
+        history,
+        activation_times=times,
+        apd90=np.full_like(times, np.nan),
+        conduction_velocity=velocity,
+    )
+    records = {"geometry": experiment.geometry, "electrophysiology": part}
+    activation_maps.write(Experiment(None, records.__getitem__), tmp_path)
+    picture = (tmp_path / "activation_maps.svg").read_text()
+    assert ("<!-- (a)  beat 1 -->" in picture) == (fired > 0.0)
 
 
 def test_several_runs_are_named_in_the_figure(experiment: Experiment, tmp_path: Path) -> None:
@@ -56,8 +81,6 @@ def test_the_spiral_has_eight_films_and_the_corner(experiment: Experiment, tmp_p
 
 
 def test_probes_of_any_name_can_be_drawn(tmp_path: Path) -> None:
-    from dataclasses import replace
-
     experiment = synthetic_experiment((0.0,), 20.0, (6, 2), (8, 3))
     renamed = replace(experiment.measures, probe_names=("left", "middle", "right"))
     traces.draw({"": renamed}, tmp_path, "fig9")

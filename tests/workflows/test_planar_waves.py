@@ -49,6 +49,9 @@ def test_the_quantities_have_their_agreed_names_and_units(first: dict[str, Any])
             f"{probe}.activation_times": "ms",
             f"{probe}.peak_active_stress": "kPa",
             f"{probe}.peak_active_stresses": "kPa",
+            f"{probe}.repolarisation_times": "ms",
+            f"{probe}.apd50": "ms",
+            f"{probe}.apd90": "ms",
             f"{probe}.max_displacement": "mm",
         }
     assert units == expected
@@ -72,10 +75,13 @@ def test_the_wave_crosses_the_film_and_bends_it(first: dict[str, Any]) -> None:
 
 def test_everything_agreed_is_in_the_output_folder(desk: Desk, first: dict[str, Any]) -> None:
     names = {path.name for path in (desk.folder / "first").iterdir()}
-    figures = {f"{figure}.{kind}" for figure in ("fig8", "fig9") for kind in ("png", "svg")}
+    drawn = ("fig8", "fig9", "activation_maps")
+    figures = {f"{figure}.{kind}" for figure in drawn for kind in ("png", "svg")}
     assert names == figures | {
         "summary.json",
         "probes.csv",
+        "beats.csv",
+        "maps.vtkhdf",
         "film.vtkhdf",
         "report.html",
         "exports.json",
@@ -100,7 +106,7 @@ def test_the_probe_table_starts_at_rest(desk: Desk, first: dict[str, Any]) -> No
 
 def test_the_report_needs_no_other_file(desk: Desk, first: dict[str, Any]) -> None:
     page = (desk.folder / "first" / "report.html").read_text()
-    assert page.count('src="data:image/png;base64,') == 2
+    assert page.count('src="data:image/png;base64,') == 3
     assert 'src="http' not in page
     assert "<link" not in page
     assert "<script" not in page

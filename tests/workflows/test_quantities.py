@@ -46,7 +46,10 @@ def test_beats_that_did_not_come_are_left_out_and_times_keep_their_peaks() -> No
     value = {name: q.value for name, q in quantities(MEASURES).items()}
     assert value["A.activation_times"] == [1.0, 4.0]
     assert value["A.peak_active_stresses"] == [7.0, None]
-    assert value["B.activation_times"] == []
+    assert value["A.repolarisation_times"] == [301.0, None]
+    assert value["A.apd50"] == [250.0, None]
+    assert value["A.apd90"] == [300.0, None]
+    assert value["B.activation_times"] == value["B.apd90"] == []
 
 
 def test_a_wave_that_never_came_has_no_speed() -> None:

@@ -13,14 +13,14 @@ from workflows.workflow import Quantity
 
 
 def write_csv(
-    path: Path, headings: Sequence[str], rows: Iterable[Iterable[float]], digits: int = 10
+    path: Path, headings: Sequence[str], rows: Iterable[Iterable[float | str]], digits: int = 10
 ) -> None:
-    """Write numbers below headings, with so many significant digits."""
+    """Write numbers (with so many significant digits) and words below headings."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(headings)
     for row in rows:
-        writer.writerow([f"{value:.{digits}g}" for value in row])
+        writer.writerow([v if isinstance(v, str) else f"{v:.{digits}g}" for v in row])
     write_text(path, text.getvalue())
 
 

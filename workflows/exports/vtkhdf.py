@@ -10,7 +10,7 @@ VTK file formats, "VTKHDF file format", unstructured grids with temporal data.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
@@ -24,6 +24,8 @@ from workflows.exports.sampling import FilmGrid
 
 VTK_QUAD = 9
 
+POINTS = "Points"
+
 Field: TypeAlias = Callable[[float], Array]
 """Values at a time, ms: at the control points, or at the grid."""
 
@@ -32,8 +34,6 @@ def write_film(
     path: Path, grid: FilmGrid, time: Array, displacement: Field, scalars: Mapping[str, Field]
 ) -> None:
     """Write the film at some times.
-
-    The file is put together in memory: HDF5 crashes when it closes a file on a full disk.
 
     Parameters
     ----------
@@ -48,8 +48,42 @@ def write_film(
     scalars
         Fields at the grid by name, shape ``(n1, n2)``.
     """
+
+    def frames() -> Iterator[Mapping[str, Array]]:
+        for t in time:
+            moved = grid.displacement(displacement(t))
+            fields = {name: field(t) for name, field in scalars.items()}
+            yield {POINTS: grid.reference + moved, "displacement": moved, **fields}
+
+    write_grid(path, grid.shape, time, {"displacement": 3, **dict.fromkeys(scalars, 1)}, frames())
+
+
+def write_grid(
+    path: Path,
+    shape: tuple[int, int],
+    time: Array,
+    components: Mapping[str, int],
+    frames: Iterable[Mapping[str, Array]],
+) -> None:
+    """Write fields on a grid of points at some times.
+
+    The file is put together in memory: HDF5 crashes when it closes a file on a full disk.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    shape
+        Numbers of points in both directions.
+    time
+        Of the frames, shape ``(frames,)``.
+    components
+        Fields by name, 1 or 3 components each.
+    frames
+        For each time the fields, and the places of the points under the name ``POINTS``.
+    """
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
-        _write_series(file, grid, time, displacement, scalars)
+        _write_series(file, shape, time, components, frames)
         file.flush()
         image = file.id.get_file_image()
     with replacing(path) as temporary:
@@ -70,26 +104,27 @@ def quads(shape: tuple[int, int]) -> NDArray[np.int64]:
 
 
 def _write_series(
-    file: h5py.File, grid: FilmGrid, time: Array, displacement: Field, scalars: Mapping[str, Field]
+    file: h5py.File,
+    shape: tuple[int, int],
+    time: Array,
+    components: Mapping[str, int],
+    frames: Iterable[Mapping[str, Array]],
 ) -> None:
-    n_points, n_frames = grid.shape[0] * grid.shape[1], time.size
+    n_points, n_frames = shape[0] * shape[1], time.size
     root = file.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
     root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
-    _write_cells(root, quads(grid.shape), n_points)
-    _write_steps(root, time, n_points, ("displacement", *scalars))
+    _write_cells(root, quads(shape), n_points)
+    _write_steps(root, time, n_points, tuple(components))
 
-    points = _per_frame(root, "Points", n_frames, n_points, 3)
+    kept = {POINTS: _per_frame(root, POINTS, n_frames, n_points, 3)}
     data = root.create_group("PointData")
-    moved = _per_frame(data, "displacement", n_frames, n_points, 3)
-    fields = {name: _per_frame(data, name, n_frames, n_points) for name in scalars}
-    for frame, t in enumerate(time):
-        rows = slice(frame * n_points, (frame + 1) * n_points)
-        at_grid = grid.displacement(displacement(t))
-        points[rows] = (grid.reference + at_grid).reshape(-1, 3)
-        moved[rows] = at_grid.reshape(-1, 3)
-        for name, field in scalars.items():
-            fields[name][rows] = field(t).ravel()
+    for name, count in components.items():
+        kept[name] = _per_frame(data, name, n_frames, n_points, *([count] if count > 1 else []))
+    for number, frame in enumerate(frames):
+        rows = slice(number * n_points, (number + 1) * n_points)
+        for name, values in frame.items():
+            kept[name][rows] = values.reshape(kept[name][rows].shape)
 
 
 def _write_cells(root: h5py.Group, corners: NDArray[np.int64], n_points: int) -> None:
