@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 
+from pipeline.memory import MemoryRun
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.monodomain import build
@@ -221,15 +224,18 @@ def test_a_pulse_is_on_after_its_start_up_to_its_end() -> None:
     assert on[251] == 0.0
 
 
-def test_an_explosion_is_reported_with_its_time() -> None:
+def test_an_explosion_is_reported_with_its_time_and_place() -> None:
     """The paper's 2 s in steps of 5 ms: the explicit ionic current is far beyond its stability limit."""
-    patch = film((20, 6))
     config = electrophysiology_config(
-        elements=(20, 6), n_steps=400, duration=2000.0, output_interval=25.0
+        elements=(20, 6),
+        n_steps=400,
+        duration=2000.0,
+        output_interval=25.0,
+        allow_unstable_step=True,
     )
-    with pytest.raises(UnstableSolutionError, match="no longer finite") as caught:
-        electrophysiology.compute(config, ExcitableSurface(patch))
-    found = re.fullmatch(r"step (\d+), t = (\d+) ms", caught.value.place)
+    with pytest.raises(UnstableSolutionError, match="no longer finite; there is no ch") as caught:
+        electrophysiology.compute(config, ExcitableSurface(film((20, 6))))
+    found = re.fullmatch(r"step (\d+), t = (\d+) ms, X = 0, Y = .*, Z = 0 mm", caught.value.place)
     assert found
     step, time = map(int, found.groups())
     assert time == 5 * step
@@ -237,8 +243,19 @@ def test_an_explosion_is_reported_with_its_time() -> None:
     assert "n_steps" in caught.value.remedy
 
 
-def test_a_solution_that_is_finite_raises_nothing() -> None:
-    advance(film(), 200).check_finite(0.05)
+class SavesEveryFrame(MemoryRun):
+    """A run that takes a checkpoint after every frame."""
+
+    def checkpoint(self, state: Callable[[], Mapping[str, Any]]) -> None:
+        state()
+
+
+def test_an_explosion_after_a_checkpoint_says_from_when_that_is() -> None:
+    """A second pulse, so strong that it makes the cells explode."""
+    strong = EdgeFlux(edge="X=0", start=6.0, duration=3.0, flux=1e9)
+    config = electrophysiology_config(n_steps=100, stimuli=(strong,))
+    with pytest.raises(UnstableSolutionError, match=r"the last checkpoint is of t = 6 ms"):
+        electrophysiology.compute(config, ExcitableSurface(film()), run=SavesEveryFrame())
 
 
 def test_a_rectangle_beside_the_film_is_refused() -> None:

@@ -75,7 +75,9 @@ def test_stimuli_may_be_named() -> None:
         "stimulus_library": library,
     }
     for given in ("S1,S2", "[S1, S2]", ["S1", "S2"], [library["S1"], "S2"]):
-        config = electrophysiology_config(**fields | {"stimuli": given, "duration": 500.0})
+        config = electrophysiology_config(
+            **fields | {"stimuli": given, "duration": 500.0, "n_steps": 1000}
+        )
         assert [s.start for s in config.stimuli] == [0.0, 430.0]
     with pytest.raises(ValueError, match=r"no stimulus is called 'S11'.*did you mean 'S1'"):
         electrophysiology_config(**fields | {"stimuli": "S11"})
