@@ -49,11 +49,11 @@ def setting(description: str, source: str = "numerical setting", **bounds: Any) 
     return quantity("", description, source, **bounds)
 
 
-def unkeyed(description: str, **bounds: Any) -> Any:
+def unkeyed(description: str, unit: str = "", **bounds: Any) -> Any:
     """Field that cannot change a result and therefore never enters a key."""
     return Field(
         description=description,
-        json_schema_extra={"unit": "", "source": "does not change results", "keyed": False},
+        json_schema_extra={"unit": unit, "source": "does not change results", "keyed": False},
         **bounds,
     )
 

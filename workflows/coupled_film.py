@@ -19,6 +19,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
+from workflows.accuracy import with_picked_setting
 from workflows.conduction import conducting
 from workflows.film_checks import (
     acting_off_the_film,
@@ -43,6 +44,12 @@ class CoupledFilmConfig(Section):
     activation: ActivationConfig
     mechanics: MechanicsConfig
     postprocessing: PostprocessingConfig
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pick_setting(cls, data: Any) -> Any:
+        """Mesh, steps and scheme of the cells, where a preset or an accuracy picks them."""
+        return with_picked_setting(data)
 
     @model_validator(mode="after")
     def _sections_fit_together(self) -> CoupledFilmConfig:

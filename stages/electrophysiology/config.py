@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, quantity, setting, unkeyed
 from stages.electrophysiology.cell_config import CellConfig
-from stages.electrophysiology.limits import n_steps_needed
 from stages.electrophysiology.schemes.base import Scheme
 from stages.electrophysiology.stimuli.base import AnyStimulus
 from stages.electrophysiology.stimulus_library import with_named_stimuli
 
 
 class ElectrophysiologyConfig(CellConfig):
-    """Monodomain problem on the active layer: mesh, time grid, cells, tension, stimuli."""
+    """Monodomain problem on the active layer: mesh, time grid, cells, tension, stimuli.
 
+    A workflow fills in what ``preset`` or ``accuracy`` pick, before this is read.
+    """
+
+    picks: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "preset": ("accuracy", "elements", "degree", "n_steps", "scheme"),
+        "accuracy": ("preset", "elements", "degree", "n_steps", "scheme"),
+    }
+
+    preset: str | None = unkeyed(
+        "name of a measured setting that picks elements, degree, n_steps and scheme; none: as given",
+        default=None,
+    )
+    accuracy: float | None = unkeyed(
+        "error of activation times to stay below, for which the cheapest measured setting picks elements, "
+        "degree, n_steps and scheme; none: as given",
+        unit="ms",
+        default=None,
+    )
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")
     degree: int = setting("degree of the splines; C1 is needed, so 2 or more", "sec. 4.3", ge=2)
     n_steps: int = setting("number of time steps", "sec. 4.3", ge=1, le=10**9)
@@ -47,11 +65,6 @@ class ElectrophysiologyConfig(CellConfig):
     membrane_capacitance: float = quantity("nF/mm^2", "membrane capacitance C_m", "Table 3", gt=0)
     scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
         "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
-    )
-    allow_unstable_step: bool = setting(
-        "compute even where the explicit part of the scheme is unstable",
-        "this project",
-        default=False,
     )
     stimuli: tuple[AnyStimulus, ...] = setting(
         "stimuli that are applied: names from the library, or tables", "sec. 4.3"
@@ -83,24 +96,6 @@ class ElectrophysiologyConfig(CellConfig):
                 "diffusion_angle has no meaning without transverse_conductivity: the tissue conducts "
                 "alike in all directions",
                 {},
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _the_explicit_part_is_stable(self) -> ElectrophysiologyConfig:
-        needed = None if self.allow_unstable_step else n_steps_needed(self)
-        if needed is not None:
-            raise PydanticCustomError(
-                "unstable_step",
-                "n_steps = {given}: steps of {step} ms are beyond the stability of the explicit part of "
-                "the scheme {scheme} with these cells; {needed} steps would do, or the scheme strang "
-                "(allow_unstable_step = true computes all the same)",
-                {
-                    "given": self.n_steps,
-                    "step": f"{self.step:.4g}",
-                    "scheme": self.scheme.name,
-                    "needed": needed,
-                },
             )
         return self
 

@@ -16,10 +16,8 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.config import ElectrophysiologyConfig
 
 HIGHEST = 300.0
 """mV above rest: no excited potential lies beyond."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import ActivationHistory, ExcitableSurface
 from stages.electrophysiology.config import ElectrophysiologyConfig
@@ -19,7 +17,6 @@ def electrophysiology(
     from stages.electrophysiology.fronts import front_velocity
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import BeatRecorder
-    from stages.electrophysiology.tissue import UnstableSolutionError
 
     stepper, state = build(config, surface.patch)
     beats = BeatRecorder(state.potential, config.activation_threshold, config.initial_potential)
@@ -30,28 +27,19 @@ def electrophysiology(
         frames=frames,
         shapes={"potential": state.potential.shape, "active_stress": state.potential.shape},
     )
-    saved, kept = run.resume(), None
+    saved = run.resume()
     if saved is not None:
         state.restore(saved)
         beats.restore(saved)
-        kept = state.steps
     else:
         history.append(potential=state.potential, active_stress=state.active_stress)
-
-    def continuation() -> dict[str, Any]:
-        nonlocal kept
-        kept = state.steps  # called only when it is saved
-        return {**state.arrays(), **beats.arrays()}
-
     for frame in range(history.frames_done, frames):
         for steps in beats.blocks(ends[frame] - ends[frame - 1]):
-            try:
-                stepper.advance(state, steps, beats.watch)
-            except UnstableSolutionError as error:
-                raise error.after(kept) from None
+            stepper.advance(state, steps, beats.watch)
+        state.check_finite(config.step)
         history.append(potential=state.potential, active_stress=state.active_stress)
         run.progress(frame, frames - 1)
-        run.checkpoint(continuation)
+        run.checkpoint(lambda: {**state.arrays(), **beats.arrays()})
     run.note("diffusion_solver", type(stepper).__name__)
     maps = beats.tables()
     return history.finish(

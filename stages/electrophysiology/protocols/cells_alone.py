@@ -10,12 +10,11 @@ import numpy as np
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
-from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.monodomain import rest
 from stages.electrophysiology.reaction import compile_reaction
 from stages.electrophysiology.sources import Source
 from stages.electrophysiology.stimuli.uniform_current import UniformCurrent
-from stages.electrophysiology.tissue import TissueState, count_steps
+from stages.electrophysiology.tissue import TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
 
@@ -61,21 +60,18 @@ class CellStepper:
         applied = np.zeros((steps, state.potential.size))
         for strength, source in self._sources:
             applied += strength * source.mean(times[:-1], times[1:])[:, None]
-        good = self._block(state.cells(), beats, applied, state.steps, self._step, *self._constants)
-        count_steps(state, good, steps, self._step, None)
+        self._block(state.cells(), beats, applied, state.steps, self._step, *self._constants)
+        state.steps += steps
 
 
 @functools.cache
-def _compile(react: Callable[..., None]) -> Callable[..., int]:
+def _compile(react: Callable[..., None]) -> Callable[..., None]:
     @kernel
     def block(
         cells: Any, beats: Any, applied: Any, first: int, step: float, cell: Any, tension: Any
-    ) -> int:
+    ) -> None:
         for k in range(applied.shape[0]):
             react(cells, applied[k], step, 1, cell, tension)
-            if any_bad(cells):
-                return k
             watch(beats, cells.potential, (first + k) * step, step)
-        return len(applied)
 
     return block
