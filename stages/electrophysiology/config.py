@@ -43,6 +43,17 @@ class ElectrophysiologyConfig(CellConfig):
     output_interval: float = quantity(
         "ms", "time between stored frames, rounded to whole time steps", "this project", gt=0
     )
+    output_tolerance: float | None = quantity(
+        "mV",
+        "frames are left out whose potential those around them give by interpolation to within this; "
+        "none: every frame is stored",
+        "this project",
+        gt=0,
+        default=None,
+    )
+    output_stress_tolerance: float | None = quantity(
+        "kPa", "the same for the active stress", "this project", gt=0, default=None
+    )
     activation_threshold: float = quantity(
         "mV", "potential whose upward crossing is the activation time", "this project"
     )
@@ -98,6 +109,27 @@ class ElectrophysiologyConfig(CellConfig):
                 {},
             )
         return self
+
+    @model_validator(mode="after")
+    def _tolerances_go_together(self) -> ElectrophysiologyConfig:
+        if (self.output_tolerance is None) != (self.output_stress_tolerance is None):
+            raise PydanticCustomError(
+                "output_tolerance",
+                "give output_tolerance and output_stress_tolerance both, or neither: a frame is left out "
+                "only where both fields are known without it",
+                {},
+            )
+        return self
+
+    @property
+    def tolerances(self) -> dict[str, float] | None:
+        """How well frames that are left out must be known, by field; none: every frame is stored."""
+        if self.output_tolerance is None or self.output_stress_tolerance is None:
+            return None
+        return {
+            "potential": self.output_tolerance,
+            "active_stress": self.output_stress_tolerance,
+        }
 
     @property
     def step(self) -> float:

@@ -14,6 +14,7 @@ def electrophysiology(
     """Monodomain problem on the active layer, frame by frame from rest at t = 0."""
     import numpy as np
 
+    from stages.electrophysiology.frames import FrameKeeper
     from stages.electrophysiology.fronts import front_velocity
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import BeatRecorder
@@ -26,24 +27,29 @@ def electrophysiology(
         ActivationHistory,
         frames=frames,
         shapes={"potential": state.potential.shape, "active_stress": state.potential.shape},
+        fewer=config.tolerances is not None,
     )
+    keeper = FrameKeeper(history, config.tolerances)
     saved = run.resume()
     if saved is not None:
         state.restore(saved)
         beats.restore(saved)
+        keeper.restore(saved)
     else:
-        history.append(potential=state.potential, active_stress=state.active_stress)
-    for frame in range(history.frames_done, frames):
+        keeper.offer(0.0, potential=state.potential, active_stress=state.active_stress)
+    for frame in range(keeper.offered, frames):
         for steps in beats.blocks(ends[frame] - ends[frame - 1]):
             stepper.advance(state, steps, beats.watch)
         state.check_finite(config.step)
-        history.append(potential=state.potential, active_stress=state.active_stress)
+        time = ends[frame] * config.step
+        keeper.offer(time, potential=state.potential, active_stress=state.active_stress)
         run.progress(frame, frames - 1)
-        run.checkpoint(lambda: {**state.arrays(), **beats.arrays()})
+        run.checkpoint(lambda: {**state.arrays(), **beats.arrays(), **keeper.arrays()})
+    keeper.flush()
     run.note("diffusion_solver", type(stepper).__name__)
     maps = beats.tables()
     return history.finish(
-        time=np.array(ends) * config.step,
+        time=np.array(keeper.times),
         **maps,
         conduction_velocity=front_velocity(surface.patch, maps["activation_times"]),
     )

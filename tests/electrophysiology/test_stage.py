@@ -9,6 +9,7 @@ from pipeline.testing import interrupted_and_resumed
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.stage import electrophysiology
 from stages.numerics.patches import Patch
+from stages.numerics.time_series import TimeSeries
 from tests.paper import S1, electrophysiology_config
 from tests.problems import parabolic_sheet
 
@@ -92,14 +93,40 @@ def test_frames_fall_on_whole_steps_and_on_the_end() -> None:
     assert np.asarray(history.potential).shape[0] == history.time.size == 22
 
 
-@pytest.mark.parametrize("after", [2, 5, 13], ids=["first frame", "in between", "last frame"])
+def test_frames_may_be_stored_only_as_densely_as_a_tolerance_demands() -> None:
+    config = electrophysiology_config(duration=500.0, n_steps=5000)
+    thin = config.model_copy(update={"output_tolerance": 1.0, "output_stress_tolerance": 0.2})
+    every, few = (electrophysiology.compute(c, SURFACE) for c in (config, thin))
+    assert few.time.size < 0.5 * every.time.size
+    assert (few.time[0], few.time[-1]) == (0.0, 500.0)
+    for name, allowed in (("potential", 1.0), ("active_stress", 0.2)):
+        kept = TimeSeries(getattr(few, name), few.time)
+        frames = np.asarray(getattr(every, name), dtype=float)
+        off = max(np.abs(kept.at(t) - frames[k]).max() for k, t in enumerate(every.time))
+        assert off <= allowed + 1e-4  # kept in single precision
+    for name in set(vars(every)) - {"time", "potential", "active_stress"}:
+        np.testing.assert_array_equal(getattr(few, name), getattr(every, name))
+    with pytest.raises(ValueError, match="both, or neither"):
+        electrophysiology_config(output_tolerance=1.0)
+
+
+@pytest.mark.parametrize(
+    ("after", "tolerance"),
+    [(2, None), (5, None), (13, None), (2, 2.0), (4, 2.0)],
+    ids=["first frame", "in between", "last frame", "first of few frames", "some of few frames"],
+)
 @pytest.mark.parametrize(
     "patch",
     [SURFACE.patch, parabolic_sheet(0.5, 3.5, 2.0).refine(2, (24, 4))],
     ids=["flat", "curved"],
 )
-def test_a_stopped_run_goes_on_as_if_nothing_had_happened(patch: Patch, after: int) -> None:
-    config = electrophysiology_config(duration=12.0, n_steps=240)
+def test_a_stopped_run_goes_on_as_if_nothing_had_happened(
+    patch: Patch, after: int, tolerance: float | None
+) -> None:
+    stress = tolerance and 0.1 * tolerance
+    config = electrophysiology_config(
+        duration=12.0, n_steps=240, output_tolerance=tolerance, output_stress_tolerance=stress
+    )
     surface = ExcitableSurface(patch)
     unbroken = electrophysiology.compute(config, surface)
     resumed = interrupted_and_resumed(electrophysiology, config, surface, after=after)
