@@ -75,7 +75,7 @@ def _compile(
     law: Callable[..., Any],
     linear: bool,
 ) -> Reaction:
-    ionic_current, state_rates = inlined(current), inlined(rates)
+    ionic_current, state_rates = inlined(current, True), inlined(rates, True)
     load, store, moved, weighted = tuple_functions(variables)
     prepared, stress_rate = _linear_stress(law) if linear else _any_stress(law)
 
@@ -141,7 +141,7 @@ Stress = tuple[Callable[..., Any], Callable[..., float]]
 
 def _linear_stress(law: Callable[..., Any]) -> Stress:
     """Rate and target once per potential, as many stresses as are asked for."""
-    relaxation = inlined(law)
+    relaxation = inlined(law, True)
 
     @inlined
     def stress_rate(coefficients: Any, sigma: float, tension: Any) -> float:
@@ -158,4 +158,4 @@ def _any_stress(law: Callable[..., Any]) -> Stress:
     def potential_itself(v: float, tension: Any) -> float:
         return v
 
-    return potential_itself, inlined(law)
+    return potential_itself, inlined(law, True)

@@ -39,12 +39,15 @@ def kernel(function: Function) -> Function:
     return cast(Function, numba.njit(**_OPTIONS)(function))
 
 
-def inlined(function: Function) -> Function:
+def inlined(function: Function, reciprocals: bool = False) -> Function:
     """The same for a scalar function that a loop calls: put into the loop, so that it vectorises.
 
     Only compiled code can call it. An entry for Python would take longer to compile than the function.
+    With ``reciprocals`` a quotient x/c may become x (1/c), with 1/c taken once before the loop: one more
+    rounding instead of a division for every point.
     """
-    return cast(Function, numba.njit(**_INLINED)(function))
+    fast = {"fastmath": _OPTIONS["fastmath"] | {"arcp"}} if reciprocals else {}
+    return cast(Function, numba.njit(**_INLINED | fast)(function))
 
 
 def _bits_of(typing_context: Any, value: Any) -> Any:
