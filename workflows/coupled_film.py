@@ -29,6 +29,7 @@ from workflows.film_checks import (
     stimuli_off_the_film,
     unusable_layers,
 )
+from workflows.mesh_checks import too_coarse
 from workflows.tables import exact
 from workflows.workflow import Export
 
@@ -71,6 +72,7 @@ def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     yield from unusable_layers(film, config.mechanics)
     yield from acting_off_the_film(film, config.mechanics)
     yield from stimuli_off_the_film(film, config.electrophysiology)
+    yield from too_coarse(film, config.electrophysiology)
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (

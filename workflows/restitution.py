@@ -16,6 +16,7 @@ from stages.geometry.config import FilmConfig
 from workflows.conduction import conducting
 from workflows.film_checks import extent, interval
 from workflows.film_quantities import listed
+from workflows.mesh_checks import too_coarse
 from workflows.surfaces import excitable_film
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -50,6 +51,7 @@ def _misfits(config: RestitutionWorkflowConfig) -> Iterator[str]:
         return
     for problem in protocol.pulse.off_the_film(film.length, film.width):
         yield f"protocol.pulses.cable: {problem}"
+    yield from too_coarse(film, config.electrophysiology)
     window = protocol.window
     if window[0] < 0 or window[1] > film.length:
         yield (f"protocol.window = {interval(window)} mm reaches outside the strip {extent(film)}")

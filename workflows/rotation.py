@@ -35,6 +35,14 @@ def spiral_quantities(config: CoupledFilmConfig, measures: Measures) -> dict[str
             list(turns), "ms", f"the same turn by turn, from activation to activation of {probe}"
         ),
     }
+    if config.postprocessing.tip_potential is not None:
+        from stages.postprocessing.tip_paths import turn_times as turns_of_the_tip
+
+        found["tip_turn_times"] = Quantity(
+            listed(turns_of_the_tip(measures.tips)),
+            "ms",
+            "how long each turn of the spiral's tip takes, by the direction of the front there",
+        )
     for name, times in arrivals.items():
         found[f"{name}.activation_count"] = Quantity(
             float(len(times)),

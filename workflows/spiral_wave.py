@@ -46,6 +46,16 @@ WORKFLOW = Workflow(
             "and at the corner of the film (layout of Fig. 11).",
             arguments=("fig11",),
         ),
+        Export(
+            files=("tips.png", "tips.svg"),
+            modules=("workflows.figures.tips",),
+            stages=("geometry", "postprocessing"),
+            kind="picture",
+            caption="(a) Path of the spiral's tip, where the front ends, coloured by time; a dot where it was "
+            "seen last. (b) How long each turn takes: of the tip, and as the probes see it.",
+            sections=("electrophysiology",),
+            shown=lambda config: config.postprocessing.tip_potential is not None,
+        ),
         MAPS,
         *DATA,
     ),

@@ -15,6 +15,7 @@ from stages.geometry.config import FilmConfig
 from workflows.conduction import conducting
 from workflows.film_checks import off_the_film, stimuli_off_the_film
 from workflows.film_quantities import listed
+from workflows.mesh_checks import too_coarse
 from workflows.surfaces import excitable_film
 from workflows.workflow import Export, Quantity, Workflow
 
@@ -50,6 +51,7 @@ def _misfits(config: WindowWorkflowConfig) -> Iterator[str]:
             "time, and the last, which is moved; for instance ['S1', 'S3']"
         )
     yield from stimuli_off_the_film(film, cells)
+    yield from too_coarse(film, cells)
     for name, place in config.protocol.probes.items():
         yield from off_the_film(f"protocol.probes.{name}", place, film)
 

@@ -84,6 +84,10 @@ class ElectrophysiologyConfig(CellConfig):
         "named stimuli that `stimuli` may refer to", default_factory=dict
     )
 
+    allow_coarse_mesh: bool = unkeyed(
+        "whether to go on where the mesh is too coarse for a front", default=False
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _look_up_stimuli(cls, data: Any) -> Any:

@@ -1,0 +1,48 @@
+"""Whether the mesh of the cells can carry a front, before anything is computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.limits import front_width
+from stages.geometry.config import FilmConfig
+
+FEWEST = 3.0
+"""Collocation points across a front: with fewer it is pinned to the mesh, or jumps from point to point."""
+
+
+def too_coarse(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
+    """Directions in which a front would pass between too few points, and the mesh that would do.
+
+    The distance between points is their mean one, the side over elements + degree - 1. The front is the
+    narrowest that the tissue carries, from 10 to 90 % of its rise; tissue that carries none is let pass.
+    """
+    width = front_width(cells)
+    if width is None or cells.allow_coarse_mesh:
+        return
+    sides = (film.length, film.width)
+    needed = [fewest_elements(side, cells.degree, width) for side in sides]
+    enough = [max(n, least) for n, least in zip(cells.elements, needed, strict=True)]
+    for axis, side, elements, least in zip("XY", sides, cells.elements, needed, strict=True):
+        if elements < least:
+            points = width * (elements + cells.degree - 1) / side
+            yield (
+                f"electrophysiology.elements = {list(cells.elements)}: a front, {width:.2g} mm wide, would "
+                f"have {points:.2g} collocation points across it along {axis}, and below {FEWEST:g} it "
+                f"does not run as it should; elements = {enough} would do "
+                "(electrophysiology.allow_coarse_mesh = true goes on with fewer)"
+            )
+            return
+
+
+def fewest_elements(side: float, degree: int, width: float) -> int:
+    """Elements along a side that put enough points across a front of a width.
+
+    Examples
+    --------
+    >>> fewest_elements(3.5, 2, 0.35), fewest_elements(0.1, 2, 0.35)
+    (29, 1)
+    """
+    return max(math.ceil(FEWEST * side / width - 1e-9) - degree + 1, 1)
