@@ -11,6 +11,6 @@ def conducting(cells: ElectrophysiologyConfig, film: FilmConfig) -> Electrophysi
 
     An isotropic tissue stays as it is, so that its result serves every fibre angle.
     """
-    if cells.transverse_conductivity is None or cells.diffusion_angle is not None:
+    if cells.is_isotropic or cells.diffusion_angle is not None:
         return cells
     return cells.model_copy(update={"diffusion_angle": film.conducting_angle})

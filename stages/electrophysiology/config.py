@@ -136,6 +136,11 @@ class ElectrophysiologyConfig(CellConfig):
         }
 
     @property
+    def is_isotropic(self) -> bool:
+        """Whether the tissue conducts alike in all directions."""
+        return self.transverse_conductivity in (None, self.conductivity)
+
+    @property
     def step(self) -> float:
         """Time step, ms."""
         return self.duration / self.n_steps

@@ -46,9 +46,9 @@ def diffusivity_of(config: ElectrophysiologyConfig) -> Diffusivity:
     ValueError
         If the tissue is anisotropic and nobody said where its fibres run.
     """
-    if config.transverse_conductivity is None:
+    if config.is_isotropic:
         return isotropic
-    if config.diffusion_angle is None:
+    if config.transverse_conductivity is None or config.diffusion_angle is None:
         raise ValueError(
             "transverse_conductivity differs along and across fibres: give their diffusion_angle"
         )

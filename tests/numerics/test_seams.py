@@ -96,6 +96,17 @@ def _rotation(angle: float) -> np.ndarray:
     return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
 
 
+def test_either_direction_may_be_closed() -> None:
+    """The same tube with its directions exchanged; fibres at 40 degrees are then at 50, the other way round."""
+    patch = tube(3, 6)
+    net = patch.control_points.transpose(1, 0, 2)
+    exchanged = Patch(patch.second, patch.first, net, closed=(True, False))
+    one = heated(patch, along_fibres(0.25, 40.0)).reshape(patch.first.size, -1)
+    other = heated(exchanged, along_fibres(0.25, 50.0)).reshape(patch.second.size, -1)
+    # the same rows in another order
+    np.testing.assert_allclose(other, one.T, rtol=0, atol=1e-10)
+
+
 @pytest.mark.parametrize("degree", [2, 3, 4, 5, 6])
 def test_diffusion_on_a_closed_tube_is_damped(degree: int) -> None:
     """No eigenvalue of the collocated operator grows, and the first is that of cos(phi): -1/R^2."""
