@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from stages.configuration import Count, OneOf, quantity, setting, unkeyed
 from stages.electrophysiology.cell_config import CellConfig
+from stages.electrophysiology.limits import n_steps_needed
 from stages.electrophysiology.schemes.base import Scheme
 from stages.electrophysiology.stimuli.base import AnyStimulus
 from stages.electrophysiology.stimulus_library import with_named_stimuli
@@ -77,6 +78,11 @@ class ElectrophysiologyConfig(CellConfig):
     scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
         "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
     )
+    allow_unstable_step: bool = setting(
+        "compute even where the explicit part of the scheme is unstable",
+        "this project",
+        default=False,
+    )
     stimuli: tuple[AnyStimulus, ...] = setting(
         "stimuli that are applied: names from the library, or tables", "sec. 4.3"
     )
@@ -122,6 +128,24 @@ class ElectrophysiologyConfig(CellConfig):
                 "give output_tolerance and output_stress_tolerance both, or neither: a frame is left out "
                 "only where both fields are known without it",
                 {},
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _the_explicit_part_is_stable(self) -> ElectrophysiologyConfig:
+        needed = None if self.allow_unstable_step else n_steps_needed(self)
+        if needed is not None:
+            raise PydanticCustomError(
+                "unstable_step",
+                "n_steps = {given}: steps of {step} ms are beyond the stability of the explicit part of "
+                "the scheme {scheme} with these cells; {needed} steps would do, or the scheme strang "
+                "(allow_unstable_step = true computes all the same)",
+                {
+                    "given": self.n_steps,
+                    "step": f"{self.step:.4g}",
+                    "scheme": self.scheme.name,
+                    "needed": needed,
+                },
             )
         return self
 

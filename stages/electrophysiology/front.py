@@ -16,8 +16,10 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from stages.electrophysiology.config import ElectrophysiologyConfig
+if TYPE_CHECKING:
+    from stages.electrophysiology.config import ElectrophysiologyConfig
 
 HIGHEST = 300.0
 """mV above rest: no excited potential lies beyond."""

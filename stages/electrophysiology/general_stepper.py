@@ -7,6 +7,7 @@ from scipy.sparse.linalg import spsolve
 
 from stages.electrophysiology.diffusion import SparseDiffusion
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
+from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.collocation import CollocationOperators
@@ -45,8 +46,8 @@ class GeneralStepper:
             state.ionic_before[:] = state.ionic
             start = state.steps * step
             problem.reaction.advance(cells, potential, step, *problem.constants)
+            problem.count(state, 0 if any_bad(cells) else 1, 1)
             watch(beats, potential, start, step)
-            state.steps += 1
 
 
 def adams_bashforth(step: int) -> tuple[float, float]:

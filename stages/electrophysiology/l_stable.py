@@ -22,8 +22,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 
+from stages.electrophysiology.diffusion import factorise
 from stages.electrophysiology.modes import Complex
 from stages.electrophysiology.tissue import Problem
 from stages.numerics.bsplines import Array
@@ -93,7 +94,7 @@ def l_stable_diffusion(problem: Problem, operators: CollocationOperators) -> LSt
     """The step of a problem on a patch, with the responses to its stimuli."""
     tau, inside = problem.step * problem.diffusivity, operators.interior.astype(float)
     matrix = sparse.diags_array(inside) @ (operators.values - GAMMA * tau * operators.laplacian)
-    solver = splu(sparse.csc_array(matrix + operators.flux))
+    solver = factorise(matrix + operators.flux)
     points, sources = inside.size, problem.sources
     step = LStableDiffusion(solver, operators.values, inside, tau, np.zeros((0, points)))
     applied = GAMMA * problem.step * problem.applied(inside)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.limits import decay
 from stages.electrophysiology.reaction import compile_reaction, ionic_current_of
 from stages.electrophysiology.sources import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
@@ -33,6 +34,8 @@ def build(
         sources(config.stimuli, patch),
         compile_reaction(config.cell_model, config.tension_law),
         (config.cell_model.constants(), config.tension_law.constants()),
+        max(decay(config)),
+        operators.frame.position,
     )
     stepper = config.scheme.stepper(problem, patch, operators, general)
     return stepper, rest(config, stepper, patch.size)

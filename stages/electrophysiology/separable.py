@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
-from stages.electrophysiology.diffusion import system_matrix
+from stages.electrophysiology.diffusion import factorise, system_matrix
 from stages.electrophysiology.modes import Factors, Modes, factors, free_modes
 from stages.electrophysiology.tissue import Problem
 from stages.numerics.bsplines import Array
@@ -80,7 +79,7 @@ def separable_diffusion(
     shape = (patch.first.size, patch.second.size)
     lifts = np.zeros((len(sources), patch.size))
     if any(source.boundary.any() for source in sources):
-        solver = splu(system_matrix(problem, operators))
+        solver = factorise(system_matrix(problem, operators))
         for lift, source in zip(lifts, sources, strict=True):
             if source.boundary.any():
                 lift[:] = operators.values @ solver.solve(source.boundary / problem.conductivity)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
+from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.modes import Factors, multiply
 from stages.electrophysiology.separable import SeparableDiffusion
 from stages.electrophysiology.tissue import Problem, TissueState
@@ -63,7 +64,7 @@ class SeparableStepper:
     def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem = self.problem
-        self.block(
+        good = self.block(
             state.cells(),
             state.ionic_before,
             state.diffusion,
@@ -74,12 +75,15 @@ class SeparableStepper:
             beats,
             *problem.constants,
         )
-        state.steps += steps
+        problem.count(state, good, steps)
 
 
 @functools.cache
-def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
-    """Compiled loop over time steps of :class:`SeparableStepper`, once per pair of models."""
+def compile_block(advance_cells: Callable[..., None]) -> Callable[..., int]:
+    """Compiled loop over time steps of :class:`SeparableStepper`, once per pair of models.
+
+    It returns how many steps ended well: fewer than asked if the one after them left a bad state.
+    """
 
     @kernel
     def block(
@@ -93,7 +97,7 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
         beats: Any,
         cell: Any,
         tension: Any,
-    ) -> None:
+    ) -> int:
         to1, to2, from1, from2, keep, gain, lifts, lift_modes, applied = system
         ionic = cells.ionic
         m1, m2 = to1.shape[0], to2.shape[1]
@@ -106,7 +110,8 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
         wide = np.empty((m1, to2.shape[0]))
         new = np.empty((m1, m2))
         new_flat = new.reshape(points)
-        for k in range(on.shape[0] - 1):
+        asked = on.shape[0] - 1
+        for k in range(asked):
             now = 1.5 * step if first_step + k > 0 else step
             before = 0.5 * step if first_step + k > 0 else 0.0
             for i in range(points):
@@ -138,6 +143,9 @@ def compile_block(advance_cells: Callable[..., None]) -> Callable[..., None]:
             for i in range(points):
                 ionic_before[i] = ionic[i]
             advance_cells(cells, new_flat, step, cell, tension)
+            if any_bad(cells):
+                return k
             watch(beats, new_flat, (first_step + k) * step, step)
+        return asked
 
     return block

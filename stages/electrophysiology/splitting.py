@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
+from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.l_stable import LStableDiffusion, amplification
 from stages.electrophysiology.modes import Factors, Modes, factors, multiply
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
+
+REACH = 1.0
+"""Decay times that one step of RK4 may take: it is stable up to 2.785, and accurate well below."""
+
+
+def substeps(problem: Problem) -> int:
+    """Steps of RK4 into which half a step of the cells is divided."""
+    return max(math.ceil(0.5 * problem.step * problem.fastest / REACH), 1)
 
 
 class GeneralSplitting:
@@ -21,6 +31,7 @@ class GeneralSplitting:
 
     def __init__(self, problem: Problem, diffusion: LStableDiffusion) -> None:
         self.problem, self.diffusion = problem, diffusion
+        self.substeps = substeps(problem)
 
     def diffusion_state(self, potential: Array) -> Array:
         """Nothing: the potential at the points is all that a step needs."""
@@ -33,12 +44,16 @@ class GeneralSplitting:
         means = problem.means(state.steps, steps)
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
-            react(cells, nothing, 0.5 * step, 1, *problem.constants)
-            new = diffusion(state.potential, nothing, nothing) + means[k] @ diffusion.responses
+            start = state.steps * step
+            react(cells, nothing, 0.5 * step, self.substeps, *problem.constants)
+            new = diffusion(state.potential, nothing, nothing)
+            for mean, response in zip(means[k], diffusion.responses, strict=True):
+                if mean:
+                    new += mean * response
             state.potential[:] = new
-            react(cells, nothing, 0.5 * step, 1, *problem.constants)
-            watch(beats, state.potential, state.steps * step, step)
-            state.steps += 1
+            react(cells, nothing, 0.5 * step, self.substeps, *problem.constants)
+            problem.count(state, 0 if any_bad(cells) else 1, 1)
+            watch(beats, state.potential, start, step)
 
 
 class System(NamedTuple):
@@ -58,7 +73,7 @@ class SeparableSplitting:
     def __init__(
         self, problem: Problem, diffusion: LStableDiffusion, modes: tuple[Modes, Modes]
     ) -> None:
-        self.problem = problem
+        self.problem, self.substeps = problem, substeps(problem)
         first, second = modes
         self.shape = (first.to_points.shape[0], second.to_points.shape[0])
         self.block = compile_block(problem.reaction.react)
@@ -78,21 +93,25 @@ class SeparableSplitting:
     def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem = self.problem
-        self.block(
+        good = self.block(
             state.cells(),
             self.system,
             problem.means(state.steps, steps),
             state.steps,
             problem.step,
+            self.substeps,
             beats,
             *problem.constants,
         )
-        state.steps += steps
+        problem.count(state, good, steps)
 
 
 @functools.cache
-def compile_block(react: Callable[..., None]) -> Callable[..., None]:
-    """Compiled loop over time steps of :class:`SeparableSplitting`, once per pair of models."""
+def compile_block(react: Callable[..., None]) -> Callable[..., int]:
+    """Compiled loop over time steps of :class:`SeparableSplitting`, once per pair of models.
+
+    It returns how many steps ended well: fewer than asked if the one after them left a bad state.
+    """
 
     @kernel
     def block(
@@ -101,10 +120,11 @@ def compile_block(react: Callable[..., None]) -> Callable[..., None]:
         means: Any,
         first_step: int,
         step: float,
+        substeps: int,
         beats: Any,
         cell: Any,
         tension: Any,
-    ) -> None:
+    ) -> int:
         to1, to2, from1, from2, damp, responses = system
         m1, m2 = to1.shape[0], to2.shape[1]
         potential, half_step = cells.potential, 0.5 * step
@@ -114,8 +134,9 @@ def compile_block(react: Callable[..., None]) -> Callable[..., None]:
         modes = np.empty((from1.shape[0], from2.shape[1]))
         damped = np.empty_like(modes)
         wide = np.empty((m1, to2.shape[0]))
-        for k in range(means.shape[0]):
-            react(cells, nothing, half_step, 1, cell, tension)
+        asked = means.shape[0]
+        for k in range(asked):
+            react(cells, nothing, half_step, substeps, cell, tension)
             np.dot(from1, grid, half)
             np.dot(half, from2, modes)
             multiply(damp, modes, damped)
@@ -125,7 +146,10 @@ def compile_block(react: Callable[..., None]) -> Callable[..., None]:
                 if means[k, s] != 0.0:
                     for i in range(potential.size):
                         potential[i] += means[k, s] * responses[s, i]
-            react(cells, nothing, half_step, 1, cell, tension)
+            react(cells, nothing, half_step, substeps, cell, tension)
+            if any_bad(cells):
+                return k
             watch(beats, potential, (first_step + k) * step, step)
+        return asked
 
     return block

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import ActivationHistory, ExcitableSurface
 from stages.electrophysiology.config import ElectrophysiologyConfig
@@ -18,6 +20,7 @@ def electrophysiology(
     from stages.electrophysiology.fronts import front_velocity
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import BeatRecorder
+    from stages.electrophysiology.tissue import UnstableSolutionError
 
     stepper, state = build(config, surface.patch)
     beats = BeatRecorder(state.potential, config.activation_threshold, config.initial_potential)
@@ -30,21 +33,30 @@ def electrophysiology(
         fewer=config.tolerances is not None,
     )
     keeper = FrameKeeper(history, config.tolerances)
-    saved = run.resume()
+    saved, kept = run.resume(), None
     if saved is not None:
         state.restore(saved)
         beats.restore(saved)
         keeper.restore(saved)
+        kept = state.steps
     else:
         keeper.offer(0.0, potential=state.potential, active_stress=state.active_stress)
+
+    def continuation() -> dict[str, Any]:
+        nonlocal kept
+        kept = state.steps  # called only when it is saved
+        return {**state.arrays(), **beats.arrays(), **keeper.arrays()}
+
     for frame in range(keeper.offered, frames):
         for steps in beats.blocks(ends[frame] - ends[frame - 1]):
-            stepper.advance(state, steps, beats.watch)
-        state.check_finite(config.step)
+            try:
+                stepper.advance(state, steps, beats.watch)
+            except UnstableSolutionError as error:
+                raise error.after(kept) from None
         time = ends[frame] * config.step
         keeper.offer(time, potential=state.potential, active_stress=state.active_stress)
         run.progress(frame, frames - 1)
-        run.checkpoint(lambda: {**state.arrays(), **beats.arrays(), **keeper.arrays()})
+        run.checkpoint(continuation)
     keeper.flush()
     run.note("diffusion_solver", type(stepper).__name__)
     maps = beats.tables()

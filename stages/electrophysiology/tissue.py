@@ -9,22 +9,48 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from stages.electrophysiology.events import UNWATCHED, Watch
+from stages.electrophysiology.guard import first_bad
 from stages.electrophysiology.reaction import Cells, Reaction
 from stages.electrophysiology.sources import Source
 from stages.numerics.bsplines import Array
 
 
 class UnstableSolutionError(ArithmeticError):
-    """The solution grew beyond all bounds."""
+    """The state of a cell is no finite number any more.
+
+    Parameters
+    ----------
+    steps, step
+        Number of the step in which it happened, and its length in ms.
+    position
+        X, Y, Z of the first such point, mm; None: a cell without a place.
+    saved
+        Steps done at the last checkpoint; None: there is none.
+    """
 
     remedy = (
-        "The explicit ionic current limits the time step: raise electrophysiology.n_steps, "
-        "or check the strength of the stimuli."
+        "Shorten the step (raise electrophysiology.n_steps), take the scheme strang, or check the "
+        "strength of the stimuli."
     )
 
-    def __init__(self, steps: int, time: float) -> None:
-        self.place = f"step {steps}, t = {time:g} ms"
-        super().__init__("the cells' state is no longer finite")
+    def __init__(
+        self, steps: int, step: float, position: Array | None, saved: int | None = None
+    ) -> None:
+        self.steps, self.step, self.position = steps, step, position
+        self.place = f"step {steps}, t = {steps * step:g} ms"
+        if position is not None:
+            x, y, z = (f"{c:.4g}" for c in position)
+            self.place += f", X = {x}, Y = {y}, Z = {z} mm"
+        last = (
+            "there is no checkpoint before"
+            if saved is None
+            else f"the last checkpoint is of t = {saved * step:g} ms"
+        )
+        super().__init__(f"the cell's state is no longer finite; {last}")
+
+    def after(self, saved: int | None) -> UnstableSolutionError:
+        """The same with what is known of checkpoints."""
+        return UnstableSolutionError(self.steps, self.step, self.position, saved)
 
 
 @dataclass
@@ -58,26 +84,14 @@ class TissueState:
             setattr(self, name, np.array(saved[name]))
         self.steps = int(self.steps)
 
-    def check_finite(self, step: float) -> None:
-        """Stop as soon as a cell's state is no number any more.
-
-        Raises
-        ------
-        UnstableSolutionError
-            With the time at which it was noticed.
-        """
-        largest = np.finfo(np.float32).max  # frames are stored in single precision
-        everything = (self.potential, self.states, self.active_stress)
-        if not all((np.abs(values) <= largest).all() for values in everything):
-            raise UnstableSolutionError(self.steps, self.steps * step)
-
 
 @dataclass(frozen=True)
 class Problem:
     """Data of the time loop.
 
     Time step in ms; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled loops over cells
-    with the constants of the cell model and of the tension law.
+    with the constants of the cell model and of the tension law; the fastest decay of anything in a
+    cell in 1/ms; the points in mm, shape ``(point, 3)``.
     """
 
     step: float
@@ -86,6 +100,8 @@ class Problem:
     sources: tuple[Source, ...]
     reaction: Reaction
     constants: tuple[NamedTuple, NamedTuple]
+    fastest: float
+    position: Array
 
     def amplitudes(self, first: int, steps: int) -> Array:
         """Amplitude of each stimulus at levels first .. first + steps, shape ``(steps + 1, stimulus)``."""
@@ -98,6 +114,10 @@ class Problem:
         times = np.arange(first, first + steps + 1, dtype=float) * self.step
         columns = [source.mean(times[:-1], times[1:]) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps, 0))
+
+    def count(self, state: TissueState, good: int, asked: int) -> None:
+        """:func:`count_steps` with the step and the points of the problem."""
+        count_steps(state, good, asked, self.step, self.position)
 
     @property
     def diffusivity(self) -> float:
@@ -113,6 +133,22 @@ class Problem:
         return np.array(rows).reshape(len(rows), inside.size)
 
 
+def count_steps(
+    state: TissueState, good: int, asked: int, step: float, position: Array | None
+) -> None:
+    """Count the steps that a loop has taken, of which so many ended well.
+
+    Raises
+    ------
+    UnstableSolutionError
+        If the loop stopped early, after a step that left a bad state.
+    """
+    state.steps += min(good + 1, asked)
+    if good < asked:
+        where = None if position is None else position[first_bad(state.cells())]
+        raise UnstableSolutionError(state.steps, step, where)
+
+
 class Stepper(Protocol):
     """One way to take time steps; both ways give the same potentials up to round-off."""
 
@@ -120,4 +156,10 @@ class Stepper(Protocol):
         """Solver unknowns that represent a potential given at the points, with no flux."""
 
     def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
-        """Take ``steps`` steps in place, and let ``beats`` note what happens in each of them."""
+        """Take ``steps`` steps in place, and let ``beats`` note what happens in each of them.
+
+        Raises
+        ------
+        UnstableSolutionError
+            At the end of the step in which a cell's state ceases to be finite.
+        """

@@ -46,7 +46,6 @@ class TissueRun:
         """
         for steps in self._beats.blocks(step - self.state.steps):
             self.stepper.advance(self.state, steps, self._beats.watch)
-        self.state.check_finite(self.step)
 
     def beats(self) -> dict[str, Array]:
         """Maps of shape ``(point, beat)`` under their names in an ``ActivationHistory``."""

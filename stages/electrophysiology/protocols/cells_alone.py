@@ -10,11 +10,12 @@ import numpy as np
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
+from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.monodomain import rest
 from stages.electrophysiology.reaction import compile_reaction
 from stages.electrophysiology.sources import Source
 from stages.electrophysiology.stimuli.uniform_current import UniformCurrent
-from stages.electrophysiology.tissue import TissueState
+from stages.electrophysiology.tissue import TissueState, count_steps
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
 
@@ -60,18 +61,21 @@ class CellStepper:
         applied = np.zeros((steps, state.potential.size))
         for strength, source in self._sources:
             applied += strength * source.mean(times[:-1], times[1:])[:, None]
-        self._block(state.cells(), beats, applied, state.steps, self._step, *self._constants)
-        state.steps += steps
+        good = self._block(state.cells(), beats, applied, state.steps, self._step, *self._constants)
+        count_steps(state, good, steps, self._step, None)
 
 
 @functools.cache
-def _compile(react: Callable[..., None]) -> Callable[..., None]:
+def _compile(react: Callable[..., None]) -> Callable[..., int]:
     @kernel
     def block(
         cells: Any, beats: Any, applied: Any, first: int, step: float, cell: Any, tension: Any
-    ) -> None:
+    ) -> int:
         for k in range(applied.shape[0]):
             react(cells, applied[k], step, 1, cell, tension)
+            if any_bad(cells):
+                return k
             watch(beats, cells.potential, (first + k) * step, step)
+        return len(applied)
 
     return block

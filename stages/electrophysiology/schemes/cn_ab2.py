@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Literal
 
 from stages.electrophysiology.schemes.base import Scheme
 
 if TYPE_CHECKING:
+    from stages.electrophysiology.limits import Decay
     from stages.electrophysiology.tissue import Problem, Stepper
     from stages.numerics.collocation import CollocationOperators
     from stages.numerics.patches import Patch
+
+
+AB2_LIMIT = 1.0
+"""Step times decay up to which AB2 is stable on the negative real axis."""
+RK4_LIMIT = 2.785
+"""The same of RK4."""
 
 
 class CrankNicolsonAdamsBashforth(Scheme):
@@ -40,6 +48,18 @@ class CrankNicolsonAdamsBashforth(Scheme):
         if fast is not None:
             return SeparableStepper(problem, fast, operators)
         return GeneralStepper(problem, sparse_diffusion(problem, operators), operators)
+
+    def longest_step(self, decay: Decay) -> float:
+        """AB2 for the potential, RK4 for gates and stress.
+
+        Beyond the first, potentials on the plateau alternate: by 7 to 20 mV at 1.1 times that step for
+        Aliev-Panfilov, Mitchell-Schaeffer and Bueno-Orovio, not at all at 1.0 times; at 2.3 to 2.7 times it they grow
+        beyond all bounds.
+        """
+        slowest = max(
+            decay.potential / AB2_LIMIT, decay.states / RK4_LIMIT, decay.stress / RK4_LIMIT
+        )
+        return math.inf if slowest <= 0.0 else 1.0 / slowest
 
 
 MODEL = CrankNicolsonAdamsBashforth
