@@ -56,6 +56,8 @@ def join_seams(
     sparse.csr_array
         Same shape; the data of all seam rows are zero, but for those of an edge in its corner.
     """
+    if not any(closed):
+        return flux
     joined = flux.tolil()
     grid = np.arange(shape[0] * shape[1]).reshape(shape)
     for direction in np.flatnonzero(closed):
