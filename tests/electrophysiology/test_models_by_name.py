@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.linalg import expm
 
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology import cell_models, tension_laws
@@ -114,15 +115,28 @@ def test_a_model_file_with_a_part_missing_says_which(
         electrophysiology_config(cell_model={"name": "faulty", "tau": 20.0})
 
 
-def test_the_recipe_in_the_contributing_guide_works_as_printed(
+def test_the_recipes_in_the_contributing_guide_work_as_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """A leak with a slow current that the stress follows; at the end both are as the equations say."""
     guide = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    code, table = re.search(r"```python\n(.*?)```.*?```toml\n(.*?)```", guide, re.DOTALL).groups()
-    (tmp_path / "linear_membrane.py").write_text(code)
-    monkeypatch.setattr(cell_models, "__path__", [*cell_models.__path__, str(tmp_path)])
-    chosen = tomllib.loads(table)["electrophysiology"]["cell_model"]
-    config = electrophysiology_config(cell_model=chosen)
+    recipes = re.findall(r"```python\n(.*?)```.*?```toml\n(.*?)```", guide, re.DOTALL)
+    chosen = {}
+    for package, (code, table) in zip((cell_models, tension_laws), recipes, strict=False):
+        name = re.search(r'Literal\["(.*?)"\]', code).group(1)
+        (tmp_path / f"{name.replace('-', '_')}.py").write_text(code)
+        monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
+        chosen |= tomllib.loads(table)["electrophysiology"]
+    config = electrophysiology_config(
+        **chosen, stimuli=(), initial_potential=-60.0, n_steps=2000, duration=40.0
+    )
     surface = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(2, (6, 4)))
     history = electrophysiology.compute(config, surface)
-    assert np.isfinite(np.asarray(history.potential)).all()
+    tau, slow, rate, gain = 20.0, 0.001, 0.3, 0.1
+    system = np.array(  # of v - rest, w and sigma
+        [[-1 / tau, -1.0, 0.0], [slow / tau, -slow, 0.0], [rate * gain, 0.0, -rate]]
+    )
+    v, _, stress = expm(40.0 * system) @ [20.0, 0.0, 0.0]
+    # AB2 in steps of 0.02 ms; frames are float32
+    np.testing.assert_allclose(np.asarray(history.potential[-1]), v - 80.0, rtol=1e-6)
+    np.testing.assert_allclose(np.asarray(history.active_stress[-1]), stress, rtol=1e-4)
