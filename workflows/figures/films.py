@@ -116,9 +116,10 @@ def _draw_measures(axes: Axes3D, panel: Panel) -> None:
     axes.text(corner[0] + 0.6, corner[1] - 0.58, corner[2], "1 mm", **look)
     axes.text(middle[0] + 0.5, corner[1] - 0.35, corner[2], "$X$", **look)
     axes.text(far[0] + 0.3, middle[1], far[2], "$Y$", **look)
+    aside = min(0.45, 0.225 * float(far[1] - corner[1]))
     beside = {
-        "X=0": (corner[0] - 0.6, middle[1] + 0.45),
-        "X=L1": (far[0] + 0.6, middle[1] - 0.45),
+        "X=0": (corner[0] - 0.6, middle[1] + aside),
+        "X=L1": (far[0] + 0.6, middle[1] - aside),
         "Y=0": (middle[0] - 0.3, corner[1] - 0.6),
         "Y=L2": (middle[0], far[1] + 0.4),
     }
