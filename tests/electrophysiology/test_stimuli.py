@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
+from stages.electrophysiology import stimuli
 from stages.electrophysiology.point_cells import PointCells, disc_below
 from stages.electrophysiology.sources import Source, sources
 from stages.electrophysiology.stimuli.base import AnyStimulus, Stimulus
@@ -23,6 +26,7 @@ from stages.time_laws.base import TimeLaw
 from stages.time_laws.ramp import Ramp
 from stages.time_laws.smooth_pulse import SmoothPulse
 from stages.time_laws.table import Table
+from tests.mechanics.test_recipes import follow
 from tests.paper import S1, electrophysiology_config
 from workflows.coupled_film import CoupledFilmConfig
 from workflows.request import Request
@@ -239,3 +243,27 @@ def test_a_stimulus_of_the_library_can_be_changed_in_place() -> None:
     assert isinstance(config, CoupledFilmConfig)
     first, second = config.electrophysiology.stimuli
     assert (first.start, second.start, second.duration) == (0.0, 300.0, 5.0)
+
+
+def test_a_kind_of_stimulus_is_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The recipe of the contributing guide, as printed."""
+    follow(stimuli, "Current applied across the whole width", tmp_path, monkeypatch)
+    fields = {"kind": "strip-current", "x": (0.31, 0.87), "current": 20.0, **ONCE}
+    strip = TypeAdapter(AnyStimulus).validate_python(fields)
+    assert current_total(strip, film()) == pytest.approx(20.0 * 0.56 * WIDTH, rel=1e-12)
+    assert list(strip.off_the_film(LENGTH, WIDTH)) == []
+    assert len(list(strip.off_the_film(0.5, WIDTH))) == 1
+
+
+def test_the_printed_stimuli_are_read(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "electrophysiology.md").read_text()
+    (table,) = re.findall(r"```toml\n(\[\[electrophysiology.stimuli\]\].*?)```", page, re.DOTALL)
+    (tmp_path / "stimuli.toml").write_text(table)
+    config = Request.read("planar-waves", tmp_path / "stimuli.toml").config
+    assert isinstance(config, CoupledFilmConfig)
+    (disc,) = config.electrophysiology.stimuli
+    assert isinstance(disc, DiscCurrent)
+    assert (disc.radius, disc.starts) == (0.15, (10.0, 510.0, 1010.0))
+    for line in re.findall(r"^myofilm run planar-waves (.*stimuli.*)$", page, re.MULTILINE):
+        settings = [part for part in shlex.split(line) if part != "--set"]
+        assert Request.read("planar-waves", overrides=settings)

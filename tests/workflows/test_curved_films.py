@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from stages.geometry.shapes.base import AnyShape
 from tests.workflows.conftest import SMALL, invoke
 from tests.workflows.test_bad_input import refused
 
@@ -96,3 +98,16 @@ def test_a_tube_that_contracts_around_stays_round(tmp_path: Path) -> None:
 def test_a_film_that_cannot_be_is_refused(settings: tuple[str, ...], parts: list[str]) -> None:
     sets = [part for text in settings for part in ("--set", text)]
     refused(invoke("show", "planar-waves", *sets), *parts)
+
+
+def test_the_printed_shapes_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "films.md").read_text()
+    lines = [f"{i},{j},{1.75 * i},{j},0.1\n" for i in range(3) for j in range(3)]
+    (tmp_path / "surface.csv").write_text("".join(lines))
+    monkeypatch.chdir(tmp_path)
+    commands = re.findall(r"^myofilm run (\S+) --set '(geometry.shape=.*)'$", page, re.MULTILINE)
+    assert len(commands) == 4
+    for workflow, setting in commands:
+        result = invoke("show", workflow, "--set", setting)
+        assert result.exit_code == 0, result.output
+    assert all(f"`{name}`" in page for name in AnyShape.__metadata__[0].names())
