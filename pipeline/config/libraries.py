@@ -29,10 +29,25 @@ def expanded(
             result[name], problem = _chosen(value, sets, choice)
             if problem:
                 problems[place] = f"{place}{problem}"
+        elif isinstance(value, list | tuple):
+            items = enumerate(value)
+            result[name] = [_changed(one, data, declared.item(i).any_choice()) for i, one in items]
         elif isinstance(value, Mapping) and (inner := declared.model(value)) is not None:
             result[name], found = expanded(inner, value, place)
             problems |= found
     return {key: result[key] for key in data}, problems
+
+
+def _changed(item: Any, data: Mapping[str, Any], choice: Choice | None) -> Any:
+    """An item of a list; a table with the ``name`` of a set is that set with what else the table says.
+
+    Items that are names alone stay: the model looks them up.
+    """
+    sets = data.get(choice.library) if choice is not None and choice.library else None
+    name = item.get("name") if isinstance(item, Mapping) else None
+    if not isinstance(sets, Mapping) or not isinstance(sets.get(name), Mapping):
+        return item
+    return sets[name] | {key: one for key, one in item.items() if key != "name"}
 
 
 def _chosen(value: Any, sets: Mapping[str, Any], choice: Choice) -> tuple[Any, str]:

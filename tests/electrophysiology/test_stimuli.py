@@ -242,6 +242,9 @@ def test_a_stimulus_of_the_library_can_be_changed_in_place() -> None:
     ).config
     assert isinstance(config, CoupledFilmConfig)
     first, second = config.electrophysiology.stimuli
+    changed = 'electrophysiology.stimuli=[{name="S1", extent=["100 um", 1], duration="6000 us"}]'
+    part = Request.read("planar-waves", overrides=[changed]).config.electrophysiology.stimuli[0]
+    assert (part.extent, part.duration, part.flux) == ((0.1, 1.0), 6.0, 2.0)
     assert (first.start, second.start, second.duration) == (0.0, 300.0, 5.0)
 
 

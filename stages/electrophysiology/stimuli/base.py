@@ -115,5 +115,6 @@ def check_interval(name: str, ends: Interval) -> None:
 
 
 AnyStimulus: TypeAlias = Annotated[
-    Stimulus, OneOf("stages.electrophysiology.stimuli", Stimulus, tag="kind")
+    Stimulus,
+    OneOf("stages.electrophysiology.stimuli", Stimulus, tag="kind", library="stimulus_library"),
 ]
