@@ -1,0 +1,117 @@
+"""Orders of schemes for waves in space and time, from tables of errors.
+
+A table has the columns degree, elements, steps, scheme and general, and errors. Rows with 0 steps hold errors in space alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from workflows.workflow import Quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from stages.artefacts import StudyTable
+    from stages.numerics.bsplines import Array
+
+TIME_ORDER = 2
+"""Of every scheme."""
+
+
+def theory(degree: int) -> int:
+    """Order in space of collocation at Greville points.
+
+    Examples
+    --------
+    >>> theory(2), theory(3), theory(4)
+    (2, 2, 4)
+    """
+    return degree if degree % 2 == 0 else degree - 1
+
+
+def space_errors(table: StudyTable, column: str, degree: int) -> tuple[Array, Array]:
+    """Spans per direction, and errors."""
+    chosen = (table.column("steps") == 0) & (table.column("degree") == degree)
+    return table.column("elements")[chosen], table.column(column)[chosen]
+
+
+def time_errors(table: StudyTable, column: str, scheme: int, general: bool) -> tuple[Array, Array]:
+    """Numbers of steps, and errors."""
+    chosen = (table.column("steps") > 0) & (table.column("scheme") == scheme)
+    chosen &= table.column("general") == general
+    return table.column("steps")[chosen], table.column(column)[chosen]
+
+
+def ways(table: StudyTable) -> list[tuple[int, bool]]:
+    """Schemes and solvers in the table."""
+    timed = table.column("steps") > 0
+    pairs = zip(table.column("scheme")[timed], table.column("general")[timed], strict=True)
+    return sorted({(int(scheme), bool(general)) for scheme, general in pairs})
+
+
+def degrees(table: StudyTable) -> list[int]:
+    """Degrees for which there are errors in space."""
+    return sorted(set(table.column("degree")[table.column("steps") == 0].astype(int).tolist()))
+
+
+def observed(n: Array, error: Array, round_off: float) -> float:
+    """Order between the two finest that are above round-off."""
+    import numpy as np
+
+    n, error = n[error > round_off][-2:], error[error > round_off][-2:]
+    return float(np.log(error[0] / error[1]) / np.log(n[1] / n[0]))
+
+
+def order_quantities(table: StudyTable, column: str, round_off: float) -> dict[str, Quantity]:
+    """Every order, with what theory says."""
+    found = {
+        f"order_p{degree}": Quantity(
+            observed(*space_errors(table, column, degree), round_off),
+            "",
+            f"order in space, theory {theory(degree)}",
+        )
+        for degree in degrees(table)
+    }
+    for scheme, general in ways(table):
+        solver = "general" if general else "fast"
+        found[f"time_order_{scheme}_{solver}"] = Quantity(
+            observed(*time_errors(table, column, scheme, general), round_off),
+            "",
+            f"order in time of scheme {scheme}, {solver} solver, theory {TIME_ORDER}",
+        )
+    return found
+
+
+def behind(table: StudyTable, column: str, round_off: float) -> float:
+    """How far an order falls behind the theory at most."""
+    in_space = [
+        theory(degree) - observed(*space_errors(table, column, degree), round_off)
+        for degree in degrees(table)
+    ]
+    in_time = [
+        TIME_ORDER - observed(*time_errors(table, column, *way), round_off) for way in ways(table)
+    ]
+    return max(0.0, *in_space, *in_time)
+
+
+def draw_orders(table: StudyTable, figure: Figure, column: str, label: str) -> None:
+    """Errors over spans and over steps, beside the slopes of the theory."""
+    space, time = figure.subplots(1, 2)
+    for degree in degrees(table):
+        order = theory(degree)
+        _draw(space, *space_errors(table, column, degree), order, f"p = {degree}: order {order}")
+    for scheme, general in ways(table):
+        solver = "general" if general else "fast"
+        n, error = time_errors(table, column, scheme, general)
+        _draw(time, n, error, TIME_ORDER, f"scheme {scheme}, {solver}", "x" if general else "o")
+    space.set(xlabel="knot spans", ylabel=label)
+    time.set(xlabel="time steps")
+    for axes in (space, time):
+        axes.legend(fontsize=8)
+
+
+def _draw(axes: Axes, n: Array, error: Array, order: int, label: str, marker: str = "o") -> None:
+    (line,) = axes.loglog(n, error, marker + "-", ms=4, label=label)
+    axes.loglog(n, error[0] * (n[0] / n) ** order, color=line.get_color(), lw=0.8, ls=":")
