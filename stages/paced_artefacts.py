@@ -18,7 +18,7 @@ class PacedBeats:
     ``interval`` is that from the stimulus before to the one that makes the beat, and tells the cases
     apart. ``activation_time`` counts from that stimulus; ``diastolic_interval`` is the time from 90 %
     repolarisation of the beat before, had nothing followed it, to this activation. Samples are
-    ``Restitution.sample_times`` after the stimulus. NaN where the stimulus made no beat.
+    ``Restitution.sample_times`` after the stimulus. NaN where the stimulus made no beat, or came before the one before was over.
     """
 
     interval: Array = array("ms", "case")

@@ -13,6 +13,7 @@ from stages.configuration import Section
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import RestitutionConfig, RestitutionProtocol
 from stages.geometry.config import FilmConfig
+from workflows.accuracy import with_picked_setting
 from workflows.conduction import conducting
 from workflows.film_checks import extent, interval
 from workflows.film_quantities import listed
@@ -31,6 +32,12 @@ class RestitutionWorkflowConfig(Section):
     geometry: FilmConfig
     electrophysiology: ElectrophysiologyConfig
     protocol: RestitutionProtocol
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pick_setting(cls, data: Any) -> Any:
+        """Mesh, steps and scheme of the cells, where a preset or an accuracy picks them."""
+        return with_picked_setting(data)
 
     @model_validator(mode="after")
     def _sections_fit_together(self) -> RestitutionWorkflowConfig:

@@ -13,6 +13,7 @@ from workflows.workflow import Quantity
 
 if TYPE_CHECKING:
     from stages.artefacts import Measures
+    from stages.electrophysiology.config import ElectrophysiologyConfig
     from workflows.coupled_film import CoupledFilmConfig
 
 
@@ -23,7 +24,7 @@ def spiral_quantities(config: CoupledFilmConfig, measures: Measures) -> dict[str
         for name, times in zip(measures.probe_names, measures.activation_times, strict=True)
     }
     probe = outermost(config)
-    turns = turn_times(arrivals[probe], len(config.electrophysiology.stimuli))
+    turns = turn_times(arrivals[probe], pulses(config.electrophysiology))
     threshold = number(config.electrophysiology.activation_threshold)
     found = {
         "rotation_period": Quantity(
@@ -50,6 +51,11 @@ def spiral_quantities(config: CoupledFilmConfig, measures: Measures) -> dict[str
             f"how often the potential at {name} rises through {threshold} mV, the threshold",
         )
     return found
+
+
+def pulses(cells: ElectrophysiologyConfig) -> int:
+    """How many times the tissue is stimulated, trains pulse by pulse."""
+    return sum(len(stimulus.starts) for stimulus in cells.stimuli)
 
 
 def turn_times(arrivals: Sequence[float], stimuli: int) -> list[float]:

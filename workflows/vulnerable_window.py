@@ -12,6 +12,7 @@ from stages.configuration import Section
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import WindowConfig, WindowProtocol
 from stages.geometry.config import FilmConfig
+from workflows.accuracy import with_picked_setting
 from workflows.conduction import conducting
 from workflows.film_checks import off_the_film, stimuli_off_the_film
 from workflows.film_quantities import listed
@@ -33,6 +34,12 @@ class WindowWorkflowConfig(Section):
     geometry: FilmConfig
     electrophysiology: ElectrophysiologyConfig
     protocol: WindowProtocol
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pick_setting(cls, data: Any) -> Any:
+        """Mesh, steps and scheme of the cells, where a preset or an accuracy picks them."""
+        return with_picked_setting(data)
 
     @model_validator(mode="after")
     def _sections_fit_together(self) -> WindowWorkflowConfig:

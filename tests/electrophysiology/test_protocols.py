@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from pipeline.testing import interrupted_and_resumed
+from pipeline.testing import MemoryRun, interrupted_and_resumed
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.monodomain import build
 from stages.electrophysiology.protocols.branches import Stimuli, TissueRun, Trunk
@@ -138,6 +138,26 @@ def test_an_s2_on_the_plateau_makes_no_beat_and_the_border_is_found(cell: Restit
     assert 0 < first - last <= 20.0
     for name in ("diastolic_interval", "apd50", "apd90", "peak_active_stress"):
         np.testing.assert_array_equal(np.isfinite(getattr(cell.s2, name)), made)
+
+
+def test_a_stimulus_on_a_falling_potential_makes_no_beat() -> None:
+    """At 195 ms the potential is below the threshold again, and 40 mV lift it through, but no cell fires."""
+    found = restitution.compute(pacing(intervals=(195.0, 450.0), periods=(), tolerance=300.0))
+    lifted = found.s2.potential[0]
+    assert lifted[0] < -30.0 < lifted.max()
+    assert np.isnan(found.s2.apd90[0])
+    assert np.isfinite(found.s2.apd90[1])
+
+
+def test_a_beat_that_is_not_over_is_told() -> None:
+    run = MemoryRun()
+    config = pacing(intervals=(20.0,), periods=())
+    tissue = config.tissue.model_copy(update={"duration": 100.0, "n_steps": 2000})
+    short = config.model_copy(update={"tissue": tissue})
+    found = restitution.compute(short, run=run)
+    assert np.isnan(found.s2.activation_time).all()
+    assert len(run.warnings) == 1
+    assert "has not repolarised 100 ms after" in run.warnings[0]
 
 
 def test_a_longer_rest_makes_longer_and_stronger_beats(cell: Restitution) -> None:

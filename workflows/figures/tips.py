@@ -17,6 +17,7 @@ from stages.postprocessing.tip_paths import turn_times
 from workflows.experiment import Experiment
 from workflows.figures.style import FAINT, INK, PROBE_COLOURS, drawing, save
 from workflows.film_quantities import listed
+from workflows.rotation import pulses
 from workflows.rotation import turn_times as turns_at
 
 COLOURS = colormaps["viridis"]
@@ -47,7 +48,7 @@ def write(experiment: Experiment, folder: Path) -> None:
             place.annotate(name, point[:2], (4, 4), textcoords="offset points", color=FAINT)
         place.set(aspect="equal", xlabel="$X$ [mm]", ylabel="$Y$ [mm]")
         figure.colorbar(ScalarMappable(scale, COLOURS), ax=place, label="time [ms]", shrink=0.8)
-        _draw_turns(turns, measures, len(experiment.config.electrophysiology.stimuli))
+        _draw_turns(turns, measures, pulses(experiment.config.electrophysiology))
         for letter, axes in zip("ab", (place, turns), strict=True):
             axes.set_title(f"({letter})", loc="left", color=INK)
         figure.tight_layout(w_pad=2)

@@ -77,6 +77,11 @@ class Pacing:
         return self._measured(run, start, samples, late, _last(before))
 
     @property
+    def s1_is_over(self) -> bool:
+        """Whether the last S1 beat has repolarised while it was watched; no S2 counts before that."""
+        return math.isfinite(self._repolarised)
+
+    @property
     def sample_times(self) -> Array:
         """Times of the samples since the stimulus, ms."""
         ends = self.tissue.frame_steps
@@ -94,12 +99,18 @@ class Pacing:
     def _measured(
         self, run: TissueRun, start: float, samples: Array, number: Array, repolarised: float
     ) -> Array:
-        """One row: what ``COLUMNS`` say of the beat ``number`` of each point, and the samples."""
+        """One row: what ``COLUMNS`` say of the beat ``number`` of each point, and the samples.
+
+        A stimulus that lifts a potential still on its way down through the threshold has made no beat: what
+        counts begins after 90 % repolarisation of the beat before.
+        """
         point, beats = self._gauge.point, run.beats()
         activation, apd50, apd90 = (
             _column(beats[name], number) for name in ("activation_times", "apd50", "apd90")
         )
         began = activation[point]
+        if not began >= repolarised:
+            return np.concatenate((np.full(len(COLUMNS), np.nan), *samples))
         values = [
             began - start,
             began - repolarised,
