@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import itertools
+import re
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.testing import interrupted_and_resumed
 from stages.artefacts import ExcitableSurface
+from stages.electrophysiology import schemes
 from stages.electrophysiology.modes import factors, free_modes, multiply
 from stages.electrophysiology.monodomain import build
 from stages.electrophysiology.stage import electrophysiology
@@ -196,3 +200,18 @@ def test_an_unknown_scheme_is_refused_with_the_choice() -> None:
         ValueError, match=r"no model is called 'euler'; choose one of: cn-ab2, strang"
     ):
         electrophysiology_config(scheme="euler")
+
+
+def test_the_recipe_in_the_contributing_guide_works_as_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A splitting of first order: on a smooth start its differences halve with the step."""
+    guide = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    recipe = re.search(r"\*\*A scheme in time\.\*\*.*?```python\n(.*?)```", guide, re.DOTALL)
+    assert recipe
+    (tmp_path / "lie.py").write_text(recipe.group(1))
+    monkeypatch.setattr(schemes, "__path__", [*schemes.__path__, str(tmp_path)])
+    monkeypatch.delitem(sys.modules, f"{schemes.__name__}.lie", raising=False)
+    ends = [smooth_end("lie", steps, False) for steps in (50, 100, 200)]
+    changes = np.array([np.abs(b - a).max() for a, b in itertools.pairwise(ends)])
+    assert observed_orders(changes)[-1] == pytest.approx(1.0, abs=0.2)
