@@ -108,7 +108,7 @@ def quantities(measured: Restitution) -> dict[str, Quantity]:
 
 
 def _columns(beats: PacedBeats) -> dict[str, Quantity]:
-    return {
+    found = {
         "interval": Quantity(
             listed(beats.interval), "ms", "time from the last S1 to S2, case by case"
         ),
@@ -126,10 +126,13 @@ def _columns(beats: PacedBeats) -> dict[str, Quantity]:
         "peak_active_stress": Quantity(
             listed(beats.peak_active_stress), "kPa", "how hard the muscle pulls in it at most"
         ),
-        "conduction_velocity": Quantity(
-            listed(beats.conduction_velocity), "mm/ms", "how fast its wave runs along the strip"
-        ),
     }
+    speeds = listed(beats.conduction_velocity)
+    if any(speed is not None for speed in speeds):
+        found["conduction_velocity"] = Quantity(
+            speeds, "mm/ms", "how fast its wave runs along the strip"
+        )
+    return found
 
 
 def shortest_interval(beats: PacedBeats) -> float | None:
