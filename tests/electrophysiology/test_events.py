@@ -212,3 +212,27 @@ def test_a_wave_sampled_every_millisecond_has_the_events_of_the_wave_itself() ->
         exact, found = (beats.tables()[name][away] for beats in (fine, coarse))
         assert np.isfinite(exact).all()
         np.testing.assert_allclose(found, exact, rtol=0, atol=0.004)  # 0.01 ms is the aim
+
+
+@pytest.mark.parametrize("scheme", ["cn-ab2", "strang"])
+def test_every_stepper_lets_the_same_beats_be_watched(scheme: str) -> None:
+    """Beats of the fast solver, of the general one, and those of a plain search in every step."""
+    patch = Patch.rectangle(1.5, 0.5).refine(2, (16, 2))
+    config = electrophysiology_config(n_steps=1000, duration=420.0, scheme=scheme)
+    tables = []
+    for general in (False, True):
+        stepper, state = build(config, patch, general)
+        beats = BeatRecorder(state.potential, THRESHOLD, REST)
+        levels = [state.potential.copy()]
+        for _ in range(1000):
+            for steps in beats.blocks(1):
+                stepper.advance(state, steps, beats.watch)
+            levels.append(state.potential.copy())
+        tables.append(np.stack([beats.tables()[name][:, 0] for name in NAMES]))
+    # round-off of the potential over slopes above 0.1 mV/ms
+    np.testing.assert_allclose(tables[0], tables[1], rtol=0, atol=1e-7)
+    for point in (0, 40, patch.size - 1):
+        at, full, half, whole, peak = plain_beats(np.array(levels)[:, point])[0]
+        exact = 0.42 * np.array([at, full, half, whole])
+        np.testing.assert_allclose(tables[1][:4, point], exact, rtol=0, atol=1e-7)
+        assert tables[1][4, point] == pytest.approx(peak, abs=1e-9)
