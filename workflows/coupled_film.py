@@ -20,6 +20,7 @@ from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
 from workflows.accuracy import with_picked_setting
+from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
 from workflows.film_checks import (
     acting_off_the_film,
@@ -73,6 +74,7 @@ def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     yield from acting_off_the_film(film, config.mechanics)
     yield from stimuli_off_the_film(film, config.electrophysiology)
     yield from too_coarse(film, config.electrophysiology)
+    yield from threshold_out_of_reach(config.electrophysiology)
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (

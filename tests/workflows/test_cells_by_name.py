@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.canonical import canonical
+from pipeline.errors import InputError
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from tests.cells import CELL_MODELS, LIBRARY, TENSION_LAWS
 from tests.paper import CELL, TENSION
@@ -91,3 +92,12 @@ def test_only_the_chosen_model_counts_for_the_code_of_a_result() -> None:
     assert f"{folder}.mitchell_schaeffer" in modules
     assert f"{folder}.bueno_orovio" not in modules
     assert importlib.util.find_spec(f"{folder}.bueno_orovio") is not None
+
+
+@pytest.mark.parametrize("threshold", [-90, -84, 60])
+def test_a_threshold_that_no_action_potential_crosses_is_refused(threshold: int) -> None:
+    message = (
+        rf"activation_threshold = {threshold} mV does not lie between rest \(-84 mV\) and peak"
+    )
+    with pytest.raises(InputError, match=message):
+        cells(*FINE, "cell_model=bueno-orovio", f"activation_threshold={threshold}")
