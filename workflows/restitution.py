@@ -14,6 +14,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import RestitutionConfig, RestitutionProtocol
 from stages.geometry.config import FilmConfig
 from workflows.accuracy import with_picked_setting
+from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
 from workflows.film_checks import extent, interval
 from workflows.film_quantities import listed
@@ -54,6 +55,7 @@ def _misfits(config: RestitutionWorkflowConfig) -> Iterator[str]:
             "electrophysiology.stimuli must be empty here: protocol.pulses says what paces the "
             "tissue, and protocol.count, period and intervals say when"
         )
+    yield from threshold_out_of_reach(config.electrophysiology)
     if protocol.preparation != "cable":
         return
     for problem in protocol.pulse.off_the_film(film.length, film.width):

@@ -13,6 +13,7 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import WindowConfig, WindowProtocol
 from stages.geometry.config import FilmConfig
 from workflows.accuracy import with_picked_setting
+from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
 from workflows.film_checks import off_the_film, stimuli_off_the_film
 from workflows.film_quantities import listed
@@ -59,6 +60,7 @@ def _misfits(config: WindowWorkflowConfig) -> Iterator[str]:
         )
     yield from stimuli_off_the_film(film, cells)
     yield from too_coarse(film, cells)
+    yield from threshold_out_of_reach(cells)
     for name, place in config.protocol.probes.items():
         yield from off_the_film(f"protocol.probes.{name}", place, film)
 
