@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
 from stages.numerics.waves import matching, taken
 
+BENDING = 0.25
+"""Part of the range of neighbouring values by which a smooth field departs from straight lines at most."""
 ROUGHNESS = 5.0
 """A front takes at most this many times its median step time between neighbouring points."""
 
@@ -27,9 +30,12 @@ def beats_at(
 ) -> dict[str, Array]:
     """What maps over points and beats say at parameters ``theta``.
 
-    Linear between the up to four collocation points around ``theta``, whose events are matched in
+    Cubic through the four by four collocation points around ``theta``, whose events are matched in
     time: where one point has missed a wave, column k of two neighbours may belong to different waves.
-    NaN where a neighbour did not fire in that beat.
+    A front that bends on the way from point to point is met so to fourth order, where straight lines
+    would be late by h^2/8 over its radius and speed. Where one of the sixteen did not fire in that beat,
+    or cubics depart from the straight lines by more than a quarter of the range of the nearest points (fronts
+    meet there), linear between the up to four points around; NaN where one of these did not fire.
 
     Parameters
     ----------
@@ -50,18 +56,18 @@ def beats_at(
     shape = (surface.first.size, surface.second.size, activation_times.shape[1])
     grids = {name: values.reshape(shape) for name, values in maps.items()}
     times = activation_times.reshape(shape)
-    rows, row_weights = _neighbours(surface.first, theta[:, 0])
-    columns, column_weights = _neighbours(surface.second, theta[:, 1])
+    near = [_around(space, theta[:, k], 2) for k, space in enumerate(surface.spaces)]
+    wide = [_around(space, theta[:, k], 4) for k, space in enumerate(surface.spaces)]
     found = {name: np.full((len(theta), shape[2]), np.nan) for name in maps}
     for probe in range(len(theta)):
-        weights = np.outer(row_weights[:, probe], column_weights[:, probe]).ravel()
-        around = np.ix_(rows[:, probe], columns[:, probe])
-        corners = times[around].reshape(4, -1)
-        waves = matching(corners[[np.argmax(weights)]], corners)
-        used = weights > 0.0
+        rows, columns = (points[probe] for points, _ in near)
+        heaviest = np.argmax(np.outer(*(weights[probe] for _, weights in near)))
+        events = times[np.ix_(rows, columns)].reshape(4, -1)[[heaviest]]
         for name, grid in grids.items():
-            values = taken(grid[around].reshape(4, -1), waves)
-            found[name][probe] = weights[used] @ values[used]
+            straight, low, high = _weighted(near, probe, events, times, grid)
+            curved, _, _ = _weighted(wide, probe, events, times, grid)
+            smooth = np.abs(curved - straight) <= BENDING * (high - low)  # NaN is not
+            found[name][probe] = np.where(smooth, curved, straight)
     return found
 
 
@@ -127,9 +133,33 @@ def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
     return peaks
 
 
-def _neighbours(space: SplineSpace, at: Array) -> tuple[Array, Array]:
-    """Indices and linear weights of the two collocation points around each parameter, ``(2, n)``."""
+def _weighted(
+    stencils: list[tuple[NDArray[np.int64], Array]],
+    probe: int,
+    events: Array,
+    times: Array,
+    grid: Array,
+) -> tuple[Array, Array, Array]:
+    """Interpolated value of each wave, and the smallest and largest of those that count."""
+    (rows, row_weights), (columns, column_weights) = stencils
+    weights = np.outer(row_weights[probe], column_weights[probe]).ravel()
+    around = np.ix_(rows[probe], columns[probe])
+    waves = matching(events, times[around].reshape(weights.size, -1))
+    used = weights != 0.0
+    values = taken(grid[around].reshape(weights.size, -1), waves)[used]
+    return weights[used] @ values, values.min(axis=0), values.max(axis=0)
+
+
+def _around(space: SplineSpace, at: Array, count: int) -> tuple[NDArray[np.int64], Array]:
+    """The ``count`` collocation points around each parameter, and their Lagrange weights, ``(n, count)``."""
     points = space.greville()
-    left = np.clip(np.searchsorted(points, at, side="right") - 1, 0, space.size - 2)
-    fraction = (at - points[left]) / (points[left + 1] - points[left])
-    return np.stack((left, left + 1)), np.stack((1 - fraction, fraction))
+    count = min(count, space.size)
+    first = np.searchsorted(points, at, side="right") - count // 2
+    indices = np.clip(first, 0, space.size - count)[:, None] + np.arange(count)
+    places = points[indices]
+    weights = np.ones_like(places)
+    for i in range(count):
+        for j in range(count):
+            if i != j:
+                weights[:, i] *= (at - places[:, j]) / (places[:, i] - places[:, j])
+    return indices, weights
