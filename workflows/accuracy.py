@@ -24,6 +24,8 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.front import Front, tissue_front
 
 TABLE = Path(__file__).parent / "parameters" / "accuracy.toml"
+DETOUR = 2.5
+"""Straight ways across the film that a wave may take: round refractory tissue, and slowly in its tail."""
 FORMATION = 2.0
 """Rise times that a front takes to form, in which errors arise, too."""
 DRIVEN = 0.25
@@ -61,7 +63,8 @@ class MeasuredSetting:
 
     def largest_error(self, front: Front, length: float, width: float) -> float:
         """Error to expect at most on a film of that size, ms."""
-        travel = math.hypot(length, width) / front.speed + FORMATION * front.rise_time
+        crossing = math.hypot(length, width) / front.speed
+        travel = DETOUR * crossing + FORMATION * front.rise_time
         onset = DRIVEN * front.rise_time / self.steps_per_rise
         return max(self.error * travel, onset)
 
