@@ -232,19 +232,21 @@ def _draw_errors(table: StudyTable, axes: Axes) -> None:
 
 def _draw_turns(table: StudyTable, axes: Axes) -> None:
     turns = periods(table)
+    numbers = range(1, turns.shape[1] + 1)
     for i, label in enumerate(_labels(table)):
-        axes.plot(
-            range(1, turns.shape[1] + 1),
-            turns[i],
-            "k_-" if i == 0 else "o",
-            ms=12 if i == 0 else 3.5,
-            lw=0.8,
-            color="black" if i == 0 else f"C{i - 1}",
-            label=f"reference: {label}" if i == 0 else None,
-        )
-    axes.set(xlabel="turn", ylabel="time of a turn, seen at C [ms]", title="(b) rotation")
-    axes.set_xticks(range(1, turns.shape[1] + 1))
-    axes.legend(fontsize="x-small")
+        if i:
+            axes.plot(
+                numbers, turns[i] - turns[0], "o-", ms=3.5, lw=1.0, label=label, color=f"C{i - 1}"
+            )
+    axes.axhline(0.0, color="#9a9a9a", lw=0.8)
+    axes.set_xticks(
+        numbers, [f"{n}\n({turn:.1f} ms)" for n, turn in zip(numbers, turns[0], strict=True)]
+    )
+    axes.set(
+        xlabel="turn (its time in the reference)",
+        ylabel="against the reference [ms]",
+        title="(b) times of turns, seen at C",
+    )
 
 
 STUDY = Study(
