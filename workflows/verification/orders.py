@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from stages.artefacts import StudyTable
     from stages.numerics.bsplines import Array
 
+SCHEMES = ("cn-ab2", "strang")
+"""Schemes in time by their number in the tables."""
+
 TIME_ORDER = 2
 """Of every scheme."""
 
@@ -76,10 +79,11 @@ def order_quantities(table: StudyTable, column: str, round_off: float) -> dict[s
     }
     for scheme, general in ways(table):
         solver = "general" if general else "fast"
-        found[f"time_order_{scheme}_{solver}"] = Quantity(
+        name = SCHEMES[scheme]
+        found[f"time_order_{name}_{solver}"] = Quantity(
             observed(*time_errors(table, column, scheme, general), round_off),
             "",
-            f"order in time of scheme {scheme}, {solver} solver, theory {TIME_ORDER}",
+            f"order in time of {name}, {solver} solver, theory {TIME_ORDER}",
         )
     return found
 
@@ -98,6 +102,8 @@ def behind(table: StudyTable, column: str, round_off: float) -> float:
 
 def draw_orders(table: StudyTable, figure: Figure, column: str, label: str) -> None:
     """Errors over spans and over steps, beside the slopes of the theory."""
+    import numpy as np
+
     space, time = figure.subplots(1, 2)
     for degree in degrees(table):
         order = theory(degree)
@@ -105,13 +111,18 @@ def draw_orders(table: StudyTable, figure: Figure, column: str, label: str) -> N
     for scheme, general in ways(table):
         solver = "general" if general else "fast"
         n, error = time_errors(table, column, scheme, general)
-        _draw(time, n, error, TIME_ORDER, f"scheme {scheme}, {solver}", "x" if general else "o")
+        _draw(time, n, error, TIME_ORDER, f"{SCHEMES[scheme]}, {solver}", "x" if general else "o")
     space.set(xlabel="knot spans", ylabel=label)
     time.set(xlabel="time steps")
-    for axes in (space, time):
+    for axes, column in ((space, "elements"), (time, "steps")):
+        timed = table.column("steps") > 0
+        ticks = np.unique(table.column(column)[timed if axes is time else ~timed]).astype(int)
+        axes.set_xticks(ticks, [str(n) for n in ticks])
+        axes.minorticks_off()
         axes.legend(fontsize=8)
 
 
 def _draw(axes: Axes, n: Array, error: Array, order: int, label: str, marker: str = "o") -> None:
-    (line,) = axes.loglog(n, error, marker + "-", ms=4, label=label)
+    style = "none" if marker == "x" else "-"  # solvers agree: crosses lie on the circles
+    (line,) = axes.loglog(n, error, marker, ls=style, ms=5, label=label)
     axes.loglog(n, error[0] * (n[0] / n) ** order, color=line.get_color(), lw=0.8, ls=":")

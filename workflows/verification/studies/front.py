@@ -20,7 +20,7 @@ from stages.configuration import Count, OneOf, Section, quantity, setting
 from stages.electrophysiology.cell_models.aliev_panfilov import AlievPanfilov
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.schemes.base import Scheme
-from workflows.verification.orders import behind, draw_orders, order_quantities
+from workflows.verification.orders import SCHEMES, behind, draw_orders, order_quantities
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -85,12 +85,12 @@ def front(config: FrontConfig, *, run: StageRun) -> StudyTable:
 
     speed, n = closed_form(config.electrophysiology).speed, config.electrophysiology.n_steps
     space = [(p, h) for p in config.degrees for h in config.elements]
-    time = [(s, way) for s in range(len(config.schemes)) for way in (False, True)]
+    time = [(s, way) for s in config.schemes for way in (False, True)]
     rows = []
     for degree, elements in space:
         limit = _limit(config, degree, elements, n)
         error = (abs(limit.speed / speed - 1.0), float(np.abs(limit.profile - limit.exact).max()))
-        rows.append((degree, elements, 0, len(config.schemes) - 1, False, *error))
+        rows.append((degree, elements, 0, _number(config.schemes[-1]), False, *error))
         run.progress(len(rows), len(space) + len(time))
     mesh = config.time_mesh
     limit = _limit(config, *mesh, n)
@@ -101,7 +101,7 @@ def front(config: FrontConfig, *, run: StageRun) -> StudyTable:
                 (
                     *mesh,
                     steps,
-                    scheme,
+                    _number(scheme),
                     general,
                     abs(found.speed / limit.speed - 1.0),
                     float(np.abs(found.profile - limit.profile).max()),
@@ -127,7 +127,7 @@ def _pass(
     degree: int,
     elements: int,
     steps: int,
-    scheme: int = -1,
+    scheme: Scheme | None = None,
     general: bool = False,
 ) -> Passage:
     """One run along the strip."""
@@ -141,7 +141,7 @@ def _pass(
     assert isinstance(cell, AlievPanfilov)
     frozen = cell.model_copy(update={"e_0": 0.0, "mu_1": 0.0})
     patch = Patch.rectangle(config.length, config.length / elements).refine(degree, (elements, 1))
-    changes = {"n_steps": steps, "scheme": config.schemes[scheme], "cell_model": frozen}
+    changes = {"n_steps": steps, "scheme": scheme or config.schemes[-1], "cell_model": frozen}
     cells = tissue.model_copy(update=changes)
     stepper, state = build(cells, patch, general)
     x = patch.evaluate(patch.first.greville(), patch.second.greville())[:, 0]
@@ -174,6 +174,10 @@ def _place(x: Array, v: Array, length: float) -> float:
     inside = np.clip(v, 1e-6, 1.0 - 1e-6)
     weight = (inside * (1.0 - inside)) ** 2
     return float(weight @ (x + length * np.log(inside / (1.0 - inside))) / weight.sum())
+
+
+def _number(scheme: Scheme) -> int:
+    return SCHEMES.index(scheme.name)
 
 
 def quantities(table: StudyTable) -> dict[str, Quantity]:

@@ -19,7 +19,7 @@ from stages.artefacts import StudyTable
 from stages.configuration import Count, OneOf, Section, quantity, setting
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.schemes.base import Scheme
-from workflows.verification.orders import behind, draw_orders, order_quantities
+from workflows.verification.orders import SCHEMES, behind, draw_orders, order_quantities
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -51,23 +51,23 @@ class HeatConfig(Section):
 
 @stage
 def heat(config: HeatConfig, *, run: StageRun) -> StudyTable:
-    """Relative L2 errors; ``scheme`` counts from 0, ``general`` is the solver, rows without ``steps`` are extrapolated."""
+    """Relative L2 errors; ``scheme`` is a number, ``general`` the solver, rows without ``steps`` are extrapolated."""
     import numpy as np
 
     n = config.electrophysiology.n_steps
     space = [(p, h) for p in config.degrees for h in config.elements]
-    time = [(s, way) for s in range(len(config.schemes)) for way in (False, True)]
+    time = [(s, way) for s in config.schemes for way in (False, True)]
     rows = []
     for degree, elements in space:
         exact, (once, twice) = _ends(config, degree, elements, (n, 2 * n))
         error = _relative(once + 4.0 / 3.0 * (twice - once), exact)
-        rows.append((degree, elements, 0, len(config.schemes) - 1, False, error))
+        rows.append((degree, elements, 0, _number(config.schemes[-1]), False, error))
         run.progress(len(rows), len(space) + len(time))
     degree, elements = max(config.degrees), max(config.elements)
     for number, (scheme, general) in enumerate(time, start=1):
         exact, ends = _ends(config, degree, elements, config.steps, scheme, general)
         for steps, end in zip(config.steps, ends, strict=True):
-            rows.append((degree, elements, steps, scheme, general, _relative(end, exact)))
+            rows.append((degree, elements, steps, _number(scheme), general, _relative(end, exact)))
         run.progress(len(space) + number, len(space) + len(time))
     names = ("degree", "elements", "steps", "scheme", "general", "error")
     return StudyTable(names, ("",) * 6, np.array(rows, dtype=float))
@@ -78,7 +78,7 @@ def _ends(
     degree: int,
     elements: int,
     counts: tuple[int, ...],
-    scheme: int = -1,
+    scheme: Scheme | None = None,
     general: bool = False,
 ) -> tuple[Array, list[Array]]:
     """The mode at the end in closed form, and after so many steps, mV; shape ``(point,)``."""
@@ -96,7 +96,7 @@ def _ends(
     silent = tissue.cell_model.model_copy(update={"k_v": 0.0})  # no current, and w stays at 0
     ends = []
     for steps in counts:
-        changes = {"n_steps": steps, "scheme": config.schemes[scheme], "cell_model": silent}
+        changes = {"n_steps": steps, "scheme": scheme or config.schemes[-1], "cell_model": silent}
         stepper, state = build(tissue.model_copy(update=changes), patch, general)
         state.potential += mode
         state.diffusion[:] = stepper.diffusion_state(state.potential)
@@ -109,6 +109,10 @@ def _relative(found: Array, exact: Array) -> float:
     import numpy as np
 
     return float(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+
+
+def _number(scheme: Scheme) -> int:
+    return SCHEMES.index(scheme.name)
 
 
 def quantities(table: StudyTable) -> dict[str, Quantity]:
