@@ -28,6 +28,7 @@ from workflows.film_checks import (
     interval,
     places_off_the_film,
     stimuli_off_the_film,
+    unfit_meshes,
     unusable_layers,
 )
 from workflows.mesh_checks import too_coarse
@@ -73,6 +74,12 @@ def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     yield from unusable_layers(film, config.mechanics)
     yield from acting_off_the_film(film, config.mechanics)
     yield from stimuli_off_the_film(film, config.electrophysiology)
+    cells, shell = config.electrophysiology, config.mechanics
+    meshes = {
+        "electrophysiology": (cells.degree, cells.elements),
+        "mechanics": (shell.degree, shell.elements),
+    }
+    yield from unfit_meshes(film, meshes)
     yield from too_coarse(film, config.electrophysiology)
     yield from threshold_out_of_reach(config.electrophysiology)
     window = measured.velocity_window

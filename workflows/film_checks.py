@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.geometry.config import FilmConfig
+from stages.geometry.shapes.base import Elements
 from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
 from workflows.tables import exact
@@ -58,6 +59,13 @@ def acting_off_the_film(film: FilmConfig, shell: ShellConfig) -> Iterator[str]:
             if table.kind != "free":
                 edge = getattr(table, "edge", None)
                 yield from _at_a_seam(f"mechanics.{section}.{label}", edge, film)
+
+
+def unfit_meshes(film: FilmConfig, meshes: Mapping[str, tuple[int, Elements]]) -> Iterator[str]:
+    """Meshes, by their section with degree and elements, that the film's shape does not allow."""
+    for section, (degree, elements) in meshes.items():
+        for problem in film.shape.unfit_mesh(degree, elements):
+            yield f"{section}.elements: {problem}"
 
 
 def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:

@@ -17,7 +17,12 @@ from stages.configuration import Section
 from stages.geometry.config import FilmConfig, MeshConfig, ShellGeometryConfig
 from stages.mechanics.config import ShellConfig
 from stages.postprocessing.config import ShapeConfig
-from workflows.film_checks import acting_off_the_film, places_off_the_film, unusable_layers
+from workflows.film_checks import (
+    acting_off_the_film,
+    places_off_the_film,
+    unfit_meshes,
+    unusable_layers,
+)
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
@@ -38,6 +43,10 @@ class ImposedFilmConfig(Section):
             *unusable_layers(self.geometry, self.mechanics),
             *places_off_the_film(self.geometry, self.postprocessing),
             *acting_off_the_film(self.geometry, self.mechanics),
+            *unfit_meshes(
+                self.geometry,
+                {"mechanics": (self.mechanics.degree, self.mechanics.elements)},
+            ),
         )
         for problem in problems:
             raise PydanticCustomError("misfit", "{problem}", {"problem": problem})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import shlex
@@ -26,6 +27,7 @@ from stages.time_laws.base import TimeLaw
 from stages.time_laws.ramp import Ramp
 from stages.time_laws.smooth_pulse import SmoothPulse
 from stages.time_laws.table import Table
+from tests.electrophysiology.test_monodomain import advance
 from tests.mechanics.test_recipes import follow
 from tests.paper import S1, electrophysiology_config
 from workflows.coupled_film import CoupledFilmConfig
@@ -183,6 +185,34 @@ def test_a_time_law_runs_from_the_beginning_of_its_pulse(law: TimeLaw, integral:
 
 def test_switches_are_where_pulses_begin_and_end() -> None:
     assert pulses(starts=(1.0, 6.0, 20.0)).switches.tolist() == [1.0, 6.0, 11.0, 20.0, 25.0]
+
+
+def test_a_train_is_its_pulses_and_a_constant_course_is_none() -> None:
+    one = EdgeFlux(edge="X=0", extent=(0.3, 1.1), flux=2.0, start=1.0, duration=2.0)
+    law = Table(time=(0.0, 2.0), factor=(1.0, 1.0))
+    ways = (
+        (one.model_copy(update={"repeats": 2, "period": 4.0}),),
+        (one, one.model_copy(update={"start": 5.0})),
+        (one.model_copy(update={"repeats": 2, "period": 4.0, "time_law": law}),),
+    )
+    first, *others = (advance(film((12, 6)), 200, stimuli=way).potential for way in ways)
+    assert first.max() > -60.0
+    for other in others:
+        np.testing.assert_allclose(other, first, rtol=0, atol=1e-11)  # sums of two sources
+
+
+def test_the_potential_varies_smoothly_with_the_end_of_a_part_of_an_edge() -> None:
+    """No jump as the end of the extent passes a collocation point (at 0.75 mm, on spans of 1/4 mm)."""
+    ends = 0.75 + np.array([-2e-3, -1e-3, 1e-3, 2e-3])
+    found = [
+        advance(
+            film((14, 8)), 60, stimuli=(S1.model_copy(update={"extent": (0.0, float(end))}),)
+        ).potential
+        for end in ends
+    ]
+    below, across, above = (np.abs(b - a).max() for a, b in itertools.pairwise(found))
+    assert across < 2.2 * max(below, above)
+    assert below > 0.0
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,10 @@ def test_a_tube_that_contracts_around_stays_round(tmp_path: Path) -> None:
             ('geometry.shape={name="cylinder", radius=0.4, axis="Y"}',),
             ["1.39 times around a cylinder", "radius must be above 0.557 mm"],
         ),
+        (
+            (f"geometry.shape={TUBE}", "mechanics.elements=[20, 2]"),
+            ["mechanics.elements: 2 elements along Y are too few around a tube", "need 3 at least"],
+        ),
         (("geometry.shape=sphere",), ["did you mean 'sphere-segment'?"]),
     ],
 )

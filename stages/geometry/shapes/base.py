@@ -45,6 +45,10 @@ class Shape(Section):
         """Smallest radius of curvature, mm; none: flat."""
         return None
 
+    def unfit_mesh(self, degree: int, elements: Elements) -> Iterator[str]:
+        """Why a mesh cannot follow this shape, in words."""
+        yield from ()
+
     def patch(self, length: float, width: float, degree: int, elements: Elements) -> Patch:
         """Mid-surface on a mesh. The parameters mean the same points of the film on every mesh."""
         raise TypeError(f"{type(self).__name__} does not say its surface")

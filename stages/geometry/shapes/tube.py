@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
 from stages.configuration import setting
@@ -31,6 +32,15 @@ class Tube(Shape):
     def smallest_radius(self, length: float, width: float) -> float:
         """Circumference over 2 pi."""
         return (length if self.axis == "Y" else width) / (2.0 * math.pi)
+
+    def unfit_mesh(self, degree: int, elements: Elements) -> Iterator[str]:
+        """Too few spans around for a periodic spline."""
+        direction = int(self.axis == "X")
+        if elements[direction] <= degree:
+            yield (
+                f"{elements[direction]} elements along {'XY'[direction]} are too few around a tube: splines of "
+                f"degree {degree} need {degree + 1} at least"
+            )
 
     def patch(self, length: float, width: float, degree: int, elements: Elements) -> Patch:
         """A periodic spline around, as smooth across the seam as elsewhere."""
