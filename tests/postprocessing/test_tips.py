@@ -62,6 +62,19 @@ def test_the_tip_of_a_spiral_is_found_in_every_frame_and_turns_its_way(turning: 
     assert turn_times(tips).size == 2  # three turns less one interval of two frames
 
 
+def test_the_tip_and_the_activations_of_a_point_tell_one_period() -> None:
+    patch, x, y = flat((102, 60))
+    tips = paths(patch, x, y, 1.0, end=1300.0)
+    time = np.arange(0.0, 1301.0, 2.0)
+    corner = np.array([spiral(x[-1:], y[-1:], t, 1.0)[0] for t in time])
+    rises = np.flatnonzero((corner[:-1] < LEVEL) & (corner[1:] >= LEVEL))
+    low, high = corner[rises], corner[rises + 1]
+    arrivals = time[rises] + 2.0 * (LEVEL - low) / (high - low)
+    # equal phases of a period of whole steps are equal to round-off
+    np.testing.assert_allclose(np.diff(arrivals), PERIOD, rtol=1e-9)
+    assert turn_times(tips).mean() == pytest.approx(PERIOD, abs=0.5)  # heading to 1.7 degrees
+
+
 def test_the_place_of_the_tip_converges_at_second_order() -> None:
     errors = []
     for elements in ((51, 30), (102, 60), (204, 120)):
