@@ -113,6 +113,21 @@ def with_picked_setting(data: Any) -> Any:
     }
 
 
+def picked(config: Any) -> str | None:
+    """What was picked, and by what, in words; none where nothing was."""
+    cells = getattr(config, "electrophysiology", None)
+    if not isinstance(cells, ElectrophysiologyConfig):
+        return None
+    if cells.preset is None and cells.accuracy is None:
+        return None
+    by = f"preset {cells.preset}" if cells.preset else f"accuracy {cells.accuracy:g} ms"
+    along, across = cells.elements
+    return (
+        f"{by} picks {along} x {across} spans of degree {cells.degree}, {cells.n_steps} steps of "
+        f"{cells.step:.4g} ms, {cells.scheme.name}"
+    )
+
+
 UNPICKED = {"elements": (FEWEST, FEWEST), "degree": 2, "n_steps": 10**9}
 """Stands in while the rest of the section is read."""
 

@@ -107,8 +107,11 @@ def explain_workflow(
 ) -> None:
     """Tell which stages would be computed, why, and at what cost."""
     from pipeline.plan import explain
+    from workflows.accuracy import picked
 
     request = Request.read(name, config, overrides)
+    if (numbers := picked(request.config)) is not None:
+        print(f"{'electrophysiology:':20}{numbers}")
     for verdict in explain(request.nodes(), open_store(store)):
         print(f"{verdict.node + ':':20}{_judged(verdict)}")
         for reason in getattr(verdict, "reasons", ()):
