@@ -157,7 +157,7 @@ def test_a_beat_that_is_not_over_is_told() -> None:
     found = restitution.compute(short, run=run)
     assert np.isnan(found.s2.activation_time).all()
     assert len(run.warnings) == 1
-    assert "has not repolarised 100 ms after" in run.warnings[0]
+    assert "has not repolarised 120 ms after" in run.warnings[0]
 
 
 def test_a_longer_rest_makes_longer_and_stronger_beats(cell: Restitution) -> None:
@@ -233,6 +233,14 @@ def test_a_wave_across_a_tail_dies_or_passes_or_comes_round_again() -> None:
     assert found.reactivated_share[1] > 0.5
     assert found.reactivated_share[2] == 0.0
     assert found.activated_share[2] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_what_s1_would_have_activated_anyway_does_not_count() -> None:
+    """At 100 ms half of the film still waits for S1: a wave of S3 there comes first, but adds nothing."""
+    film = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(4, (28, 16)))
+    found = vulnerable_window.compute(sweep(times=(100.0,)), film)
+    assert (found.outcome, found.activated_share, found.life_time) == (0.0, 0.0, 0.0)
+    np.testing.assert_array_equal(found.activations, [[0, 0]])
 
 
 def test_a_cell_takes_no_current_through_an_edge() -> None:

@@ -36,7 +36,7 @@ class RestitutionProtocol(Section):
     )
     window: tuple[float, float] = quantity(
         "mm",
-        "from which X to which X a wave on the strip is timed; beats are measured half way",
+        "from which X to which X a wave on the strip is timed; beats are measured next to its middle",
         "this project",
     )
 

@@ -47,6 +47,8 @@ class Pacing:
         self._trunk = Trunk(self.tissue, self._build, (train,))
         alone = self._trunk.branch(self._last_start)
         self.s1_samples = self._watched(alone)
+        self.longest = self.tissue.duration + config.protocol.intervals[-1]
+        alone.advance_to(alone.state.steps + round(config.protocol.intervals[-1] / alone.step))
         beats = alone.beats()
         self._counts = np.isfinite(beats["activation_times"]).sum(axis=1)
         here = slice(0, self._counts[self._gauge.point])
@@ -78,7 +80,7 @@ class Pacing:
 
     @property
     def s1_is_over(self) -> bool:
-        """Whether the last S1 beat has repolarised while it was watched; no S2 counts before that."""
+        """Whether the last S1 beat has repolarised in the time of the longest case; no S2 counts before."""
         return math.isfinite(self._repolarised)
 
     @property

@@ -27,8 +27,8 @@ def restitution(
     pacing = Pacing(config, surface.patch if surface is not None else None)
     if not pacing.s1_is_over:
         run.warn(
-            f"the last beat of the train has not repolarised {config.tissue.duration:g} ms after its "
-            "stimulus, or there is none, so that no rest and no beat after it can be measured: raise "
+            f"the last beat of the train has not repolarised {pacing.longest:g} ms after its stimulus, "
+            "or there is none, so that no rest and no beat after it can be measured: raise "
             "electrophysiology.duration (and n_steps), or pace more strongly or more slowly"
         )
     planned = len(protocol.intervals) + len(protocol.periods)
