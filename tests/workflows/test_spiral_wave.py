@@ -113,8 +113,8 @@ def test_a_mesh_too_coarse_for_the_front_is_refused(workflow: str, tmp_path: Pat
     result = invoke(*line)
     assert result.exit_code == 2, result.output
     said = " ".join(result.output.split())
-    # 3.5 mm between 21 intervals, the front being 0.37 mm wide
-    for text in ("elements = [20, 60]", "2.2 collocation points", "along X", "[28, 60] would do"):
+    # 3.5 mm between 21 intervals; the front is 0.35 mm wide
+    for text in ("elements = [20, 60]", "2.1 collocation points", "along X", "[29, 60] would do"):
         assert text in said
     assert not (tmp_path / "store").exists()
     shown = invoke(
@@ -127,7 +127,7 @@ def test_a_mesh_may_be_too_coarse_across_the_film() -> None:
     result = invoke("show", "spiral-wave", "--set", "electrophysiology.elements=[102, 4]")
     assert result.exit_code == 2
     assert "along Y" in result.output
-    assert "[102, 16]" in result.output
+    assert "[102, 17]" in result.output
 
 
 def test_a_mesh_that_is_said_to_do_does() -> None:
