@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.limits import front_width
+from stages.electrophysiology.front import tissue_front
 from stages.geometry.config import FilmConfig
 
 FEWEST = 3.0
@@ -19,17 +19,17 @@ def too_coarse(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str
     The distance between points is their mean one, the side over elements + degree - 1. The front is the
     narrowest that the tissue carries, from 10 to 90 % of its rise; tissue that carries none is let pass.
     """
-    width = front_width(cells)
-    if width is None or cells.allow_coarse_mesh:
+    front = tissue_front(cells)
+    if front is None or cells.allow_coarse_mesh:
         return
     sides = (film.length, film.width)
-    needed = [fewest_elements(side, cells.degree, width) for side in sides]
+    needed = [fewest_elements(side, cells.degree, front.width) for side in sides]
     enough = [max(n, least) for n, least in zip(cells.elements, needed, strict=True)]
     for axis, side, elements, least in zip("XY", sides, cells.elements, needed, strict=True):
         if elements < least:
-            points = width * (elements + cells.degree - 1) / side
+            points = front.width * (elements + cells.degree - 1) / side
             yield (
-                f"electrophysiology.elements = {list(cells.elements)}: a front, {width:.2g} mm wide, would "
+                f"electrophysiology.elements = {list(cells.elements)}: a front, {front.width:.2g} mm wide, would "
                 f"have {points:.2g} collocation points across it along {axis}, and below {FEWEST:g} it "
                 f"does not run as it should; elements = {enough} would do "
                 "(electrophysiology.allow_coarse_mesh = true goes on with fewer)"

@@ -78,20 +78,17 @@ class ElectrophysiologyConfig(CellConfig):
     scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
         "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
     )
-    allow_unstable_step: bool = setting(
-        "compute even where the explicit part of the scheme is unstable",
-        "this project",
-        default=False,
-    )
     stimuli: tuple[AnyStimulus, ...] = setting(
         "stimuli that are applied: names from the library, or tables", "sec. 4.3"
     )
     stimulus_library: dict[str, AnyStimulus] = unkeyed(
         "named stimuli that `stimuli` may refer to", default_factory=dict
     )
-
     allow_coarse_mesh: bool = unkeyed(
         "whether to go on where the mesh is too coarse for a front", default=False
+    )
+    allow_unstable_step: bool = unkeyed(
+        "whether to go on where the explicit part of the scheme is unstable", default=False
     )
 
     @model_validator(mode="before")

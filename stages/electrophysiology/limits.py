@@ -6,11 +6,10 @@ Plain Python on the model's own functions, quick enough for reading a configurat
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stages.electrophysiology.front import tissue_front
+from stages.electrophysiology.cell_models.base import CellEquations, equations_of
+from stages.electrophysiology.tension_laws.base import TensionLaw, tension_rate
 
 if TYPE_CHECKING:
     from stages.electrophysiology.cell_config import CellConfig
@@ -45,10 +44,9 @@ class Excitation(NamedTuple):
 def excitation(config: CellConfig) -> Excitation | None:
     """Upstroke of the cells of a tissue; None if there is no inward current above rest."""
     model, start = config.cell_model, config.initial_potential
-    current = sys.modules[type(model).__module__].ionic_current
-    states, constants = model.initial_states(), model.constants()
+    equations, states, constants = equations_of(model), model.initial_states(), model.constants()
     levels = [start + 0.5 * i for i in range(1, int(2 * HIGHEST) + 1)]
-    inward = [-float(current(v, states, constants)) for v in levels]
+    inward = [-equations.ionic_current(v, states, constants) for v in levels]
     rising = [v for v, rate in zip(levels, inward, strict=True) if rate > 0.0]
     if not rising:
         return None
@@ -56,17 +54,6 @@ def excitation(config: CellConfig) -> Excitation | None:
     return Excitation(
         start, rising[-1], levels[inward.index(largest)], largest / (rising[-1] - start)
     )
-
-
-def front_width(config: ElectrophysiologyConfig) -> float | None:
-    """Distance over which the potential of a front rises from 10 to 90 % of its height, mm.
-
-    Exact while the gates wait (:mod:`stages.electrophysiology.front`). Simulated fronts differ by 0.2 % (Aliev-Panfilov),
-    1 % (Mitchell-Schaeffer), 2 % (FitzHugh-Nagumo), and are 7 to 13 % wider for Bueno-Orovio, whose fast gate closes in the
-    upstroke. None for cells that carry no front.
-    """
-    front = tissue_front(config)
-    return None if front is None else front.width
 
 
 class Decay(NamedTuple):
@@ -94,19 +81,18 @@ def decay(config: CellConfig) -> Decay:
     the state at rest alone.
     """
     model, law = config.cell_model, config.tension_law
-    module, constants = sys.modules[type(model).__module__], model.constants()
+    equations, constants = equations_of(model), model.constants()
     found = excitation(config)
     y = (config.initial_potential, *model.initial_states())
-    slopes = _decay_at(module, constants, y)
-    stress = _stress_decay(law)
-    fastest = Decay(slopes[0], max(slopes[1:], default=0.0), stress(y[0]))
+    slopes = _decay_at(equations, constants, y)
+    fastest = Decay(slopes[0], max(slopes[1:], default=0.0), _stress_decay(law, y[0]))
     if found is None:
         return fastest
 
     def rates(y: tuple[float, ...]) -> tuple[float, ...]:
         return (
-            -module.ionic_current(y[0], y[1:], constants),
-            *module.state_rates(y[0], y[1:], constants),
+            -equations.ionic_current(y[0], y[1:], constants),
+            *equations.state_rates(y[0], y[1:], constants),
         )
 
     def moved(y: tuple[float, ...], step: float, k: tuple[float, ...]) -> tuple[float, ...]:
@@ -115,11 +101,11 @@ def decay(config: CellConfig) -> Decay:
     y, time = (found.steepest, *y[1:]), 0.0
     repolarised = found.start + 0.1 * (found.peak - found.start)
     while y[0] > repolarised and time < LONGEST:
-        slopes = _decay_at(module, constants, y)
+        slopes = _decay_at(equations, constants, y)
         fastest = Decay(
             max(fastest.potential, slopes[0]),
-            max(fastest.states, *slopes[1:]),
-            max(fastest.stress, stress(y[0])),
+            max(fastest.states, max(slopes[1:], default=0.0)),
+            max(fastest.stress, _stress_decay(law, y[0])),
         )
         k = rates(y)
         step = min(2.0 / max(abs(k[0]), 1e-9), 0.5 / max(*slopes, 0.1))
@@ -136,30 +122,21 @@ def n_steps_needed(config: ElectrophysiologyConfig) -> int | None:
     return None if config.step <= longest else math.ceil(config.duration / longest)
 
 
-def _decay_at(module: Any, constants: Any, y: tuple[float, ...]) -> list[float]:
+def _decay_at(equations: CellEquations, constants: Any, y: tuple[float, ...]) -> list[float]:
     """-d(dy_i/dt)/dy_i of potential and gates; the smaller of both sides, which skips switches."""
+
+    def rate(i: int, y: tuple[float, ...]) -> float:
+        if i == 0:
+            return -equations.ionic_current(y[0], y[1:], constants)
+        return equations.state_rates(y[0], y[1:], constants)[i - 1]
 
     def side(i: int, by: float) -> float:
         moved = (*y[:i], y[i] + by, *y[i + 1 :])
-        if i == 0:
-            change = module.ionic_current(y[0], y[1:], constants) - module.ionic_current(
-                moved[0], y[1:], constants
-            )
-        else:
-            change = (
-                module.state_rates(y[0], moved[1:], constants)[i - 1]
-                - module.state_rates(y[0], y[1:], constants)[i - 1]
-            )
-        return float(-change / by)
+        return (rate(i, y) - rate(i, moved)) / by
 
     return [min(side(i, by), side(i, -by)) for i, by in enumerate((1e-3, *[1e-6] * (len(y) - 1)))]
 
 
-def _stress_decay(law: Any) -> Callable[[float], float]:
-    """-d(rate)/d(sigma) over the potential."""
-    module, constants = sys.modules[type(law).__module__], law.constants()
-    if law.linear:
-        return lambda v: float(module.relaxation(v, constants)[0])
-    return lambda v: float(
-        module.tension_rate(v, 0.0, constants) - module.tension_rate(v, 1.0, constants)
-    )
+def _stress_decay(law: TensionLaw, v: float) -> float:
+    """-d(rate)/d(sigma) at a potential."""
+    return tension_rate(law, v, 0.0) - tension_rate(law, v, 1.0)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from stages.electrophysiology.cell_models.base import equations_of
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.limits import decay
-from stages.electrophysiology.reaction import compile_reaction, ionic_current_of
+from stages.electrophysiology.reaction import compile_reaction
 from stages.electrophysiology.sources import sources
 from stages.electrophysiology.tissue import Problem, Stepper, TissueState
 from stages.numerics.collocation import collocate
@@ -64,7 +65,7 @@ def rest(config: ElectrophysiologyConfig, stepper: Stepper, points: int) -> Tiss
     """All cells alike at the initial potential, no active stress (initial conditions of Table 3)."""
     states = config.cell_model.initial_states()
     potential = np.full(points, config.initial_potential)
-    current = ionic_current_of(config.cell_model)(
+    current = equations_of(config.cell_model).ionic_current(
         config.initial_potential, states, config.cell_model.constants()
     )
     return TissueState(

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Callable
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
-from stages.electrophysiology.cell_models.base import CellModel
+from stages.electrophysiology.cell_models.base import CellModel, equations_of
 from stages.electrophysiology.state_tuples import tuple_functions
-from stages.electrophysiology.tension_laws.base import TensionLaw
+from stages.electrophysiology.tension_laws.base import TensionLaw, equation_of
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import inlined, kernel
 
@@ -50,19 +49,14 @@ class Reaction(NamedTuple):
     react: Callable[..., None]
 
 
-def ionic_current_of(cell_model: CellModel) -> Callable[..., float]:
-    """The function ``ionic_current(v, s, constants)`` beside a cell model's class."""
-    return cast(Callable[..., float], sys.modules[type(cell_model).__module__].ionic_current)
-
-
 def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Reaction:
     """Compiled loops over cells; one :class:`Reaction` per pair of models, each compiled on first use."""
-    laws = sys.modules[type(tension_law).__module__]
+    equations, law = equations_of(cell_model), equation_of(tension_law)
     return _compile(
-        ionic_current_of(cell_model),
-        sys.modules[type(cell_model).__module__].state_rates,
+        equations.ionic_current,
+        equations.state_rates,
         len(cell_model.initial_states()),
-        laws.relaxation if tension_law.linear else laws.tension_rate,
+        law.relaxation if tension_law.linear else law.tension_rate,
         tension_law.linear,
     )
 

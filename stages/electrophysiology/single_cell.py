@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -12,7 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stages.electrophysiology.cell_config import CellConfig
-from stages.electrophysiology.reaction import Cells, compile_reaction, ionic_current_of
+from stages.electrophysiology.cell_models.base import equations_of
+from stages.electrophysiology.reaction import Cells, compile_reaction
+from stages.electrophysiology.tension_laws.base import tension_rate
 from stages.numerics.bsplines import Array
 from stages.numerics.compiled import kernel
 
@@ -127,19 +128,17 @@ def plain_rates(config: CellConfig) -> Callable[[Array, float], Array]:
     The function takes (potential, states, stress) as one array and the applied current over
     capacitance in mV/ms, and returns the rates in the same order.
     """
-    cell, tension = config.cell_model.constants(), config.tension_law.constants()
-    equations = sys.modules[type(config.cell_model).__module__]
-    law = sys.modules[type(config.tension_law).__module__]
+    cell, equations = config.cell_model.constants(), equations_of(config.cell_model)
 
     def rates(y: Array, applied: float) -> Array:
         v, s, sigma = float(y[0]), tuple(y[1:-1].tolist()), float(y[-1])
-        if config.tension_law.linear:
-            rate, target = law.relaxation(v, tension)
-            stress_rate = rate * (target - sigma)
-        else:
-            stress_rate = law.tension_rate(v, sigma, tension)
-        current = equations.ionic_current(v, s, cell)
-        return np.array([applied - current, *equations.state_rates(v, s, cell), stress_rate])
+        return np.array(
+            [
+                applied - equations.ionic_current(v, s, cell),
+                *equations.state_rates(v, s, cell),
+                tension_rate(config.tension_law, v, sigma),
+            ]
+        )
 
     return rates
 
@@ -186,7 +185,7 @@ def _begun(
 ) -> tuple[tuple[Array, Array, Array], Cells]:
     """Room for potential, states and stress over time with the start filled in; the cell's arrays."""
     states = np.reshape(np.asarray(start.states, dtype=float), (-1, 1))
-    current = ionic_current_of(config.cell_model)(
+    current = equations_of(config.cell_model).ionic_current(
         start.potential, start.states, config.cell_model.constants()
     )
     cells = Cells(

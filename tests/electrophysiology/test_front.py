@@ -15,6 +15,7 @@ from stages.electrophysiology.front import plane_front, tissue_front
 from stages.electrophysiology.stage import electrophysiology
 from stages.numerics.patches import Patch
 from tests.paper import electrophysiology_config
+from tests.problems import CubicFront
 
 
 def cubic(k: float, a: float, height: float, v: float) -> float:
@@ -37,6 +38,13 @@ def test_a_cubic_current_carries_the_logistic_front(
     # 300 steps of a fourth-order method, first order at the start only; width by trapezoids
     assert front.speed == pytest.approx(math.sqrt(k * diffusivity / 2) * (1 - 2 * a), rel=2e-3)
     assert front.width == pytest.approx(2 * math.log(9) * math.sqrt(2 * diffusivity / k), rel=2e-3)
+
+
+def test_the_paper_s_cells_at_rest_carry_that_front() -> None:
+    front, exact = tissue_front(electrophysiology_config()), CubicFront()
+    assert front is not None
+    assert front.width == pytest.approx(2.0 * math.log(9.0) * exact.width, rel=1e-3)  # as above
+    assert front.speed == pytest.approx(exact.speed, rel=1e-3)
 
 
 @pytest.mark.parametrize("current", [lambda v: 0.1 * v, lambda v: cubic(0.6, 0.6, 100.0, v)])

@@ -2,36 +2,23 @@
 
 from __future__ import annotations
 
-import math
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from pipeline.canonical import canonical
+from stages.electrophysiology.cell_models.base import CellModel
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.events import UNWATCHED
-from stages.electrophysiology.limits import decay, excitation, front_width
+from stages.electrophysiology.front import tissue_front
+from stages.electrophysiology.limits import decay, excitation
 from stages.electrophysiology.monodomain import build
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from tests.paper import CELL, electrophysiology_config
-from tests.problems import CubicFront
 from workflows.request import Request
-
-
-def test_the_front_of_the_cubic_current_is_as_wide_as_its_closed_form_says() -> None:
-    """10 to 90 % of the logistic profile with length l are 2 ln 9 l."""
-    exact = 2.0 * math.log(9.0) * CubicFront().width
-    # the phase plane is integrated in 300 steps of RK4 and the width by trapezia
-    assert front_width(electrophysiology_config()) == pytest.approx(exact, rel=1e-3)
-
-
-def test_a_front_narrows_with_poorer_conduction() -> None:
-    wide = front_width(electrophysiology_config())
-    config = electrophysiology_config(transverse_conductivity=0.0005, diffusion_angle=30.0)
-    assert wide is not None
-    assert front_width(config) == pytest.approx(0.5 * wide, rel=1e-12)
 
 
 def test_the_upstroke_of_the_cubic_current_is_found() -> None:
@@ -47,7 +34,7 @@ def test_cells_without_inward_current_carry_no_front() -> None:
     silent = CELL.model_copy(update={"k_v": 0.0})
     config = electrophysiology_config(cell_model=silent)
     assert excitation(config) is None
-    assert front_width(config) is None
+    assert tissue_front(config) is None
 
 
 def test_the_fastest_decay_of_the_cubic_current_is_the_one_at_its_peak() -> None:
@@ -111,9 +98,10 @@ def test_the_splitting_stays_in_the_range_of_the_cells_with_any_step(
     cells: str, step: float
 ) -> None:
     tissue = tissue_of(cells, "scheme=strang")
-    found, width = excitation(tissue), front_width(tissue)
+    found, front = excitation(tissue), tissue_front(tissue)
     assert found is not None
-    assert width is not None
+    assert front is not None
+    width = front.width
     steps = round(200.0 / step)
     patch = Patch.rectangle(12 * width, 0.1).refine(4, (48, 1))
     x = patch.evaluate(patch.first.greville(), patch.second.greville())[:, 0]
@@ -140,3 +128,35 @@ def test_an_unstable_step_is_refused_with_the_number_that_would_do() -> None:
         electrophysiology_config(n_steps=needed - 1, duration=500.0)
     for way_out in ({"scheme": "strang"}, {"allow_unstable_step": True}):
         electrophysiology_config(n_steps=200, duration=500.0, **way_out)
+
+
+def test_going_on_with_an_unstable_step_changes_no_key() -> None:
+    plain, allowed = (electrophysiology_config(allow_unstable_step=way) for way in (False, True))
+    assert canonical(plain) == canonical(allowed)
+
+
+class Bistable(CellModel):
+    """Cells without gates: the functions below."""
+
+    name: str = "bistable"
+
+    def constants(self) -> NamedTuple:
+        return CELL.constants()
+
+    def initial_states(self) -> tuple[float, ...]:
+        return ()
+
+
+def ionic_current(v: float, s: tuple[float, ...], p: object) -> float:
+    return 0.62e-4 * (v + 80.0) * (v + 65.0) * (v - 20.0)
+
+
+def state_rates(v: float, s: tuple[float, ...], p: object) -> tuple[float, ...]:
+    return ()
+
+
+def test_cells_without_gates_may_be_excitable() -> None:
+    """They stay at the peak, where the current's slope is 0.62e-4 * 100 * 85."""
+    config = electrophysiology_config(cell_model=Bistable())
+    assert decay(config).potential == pytest.approx(0.62e-4 * 100.0 * 85.0, rel=1e-3)
+    assert decay(config).states == 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple
+import sys
+from typing import Any, ClassVar, NamedTuple, Protocol, cast
 
 from stages.configuration import Section
 
@@ -39,3 +40,20 @@ class CellModel(Section):
     def initial_states(self) -> tuple[float, ...]:
         """The variables ``s`` of a cell at rest."""
         raise TypeError(f"{type(self).__name__} does not say its states at rest")
+
+
+class CellEquations(Protocol):
+    """The module of a cell model; ``p`` are its constants."""
+
+    def ionic_current(self, v: float, s: tuple[float, ...], p: Any) -> float:
+        """I_ion / C_m, mV/ms."""
+        ...
+
+    def state_rates(self, v: float, s: tuple[float, ...], p: Any) -> tuple[float, ...]:
+        """ds/dt, 1/ms."""
+        ...
+
+
+def equations_of(cell_model: CellModel) -> CellEquations:
+    """The module that defines a cell model, and beside it its equations."""
+    return cast(CellEquations, sys.modules[type(cell_model).__module__])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple, Self
+import sys
+from typing import Any, ClassVar, NamedTuple, Protocol, Self, cast
 
 from stages.configuration import Section
 from stages.electrophysiology.cell_models.base import CellModel
@@ -56,3 +57,29 @@ class LinearTensionLaw(TensionLaw):
 
     linear: ClassVar[bool] = True
     functions: ClassVar[tuple[str, ...]] = ("relaxation",)
+
+
+class TensionEquation(Protocol):
+    """The module of a tension law, which has one of the two; ``p`` are its constants."""
+
+    def tension_rate(self, v: float, sigma: float, p: Any) -> float:
+        """d(sigma_a)/dt, kPa/ms."""
+        ...
+
+    def relaxation(self, v: float, p: Any) -> tuple[float, float]:
+        """Rate in 1/ms and target in kPa."""
+        ...
+
+
+def equation_of(tension_law: TensionLaw) -> TensionEquation:
+    """The module that defines a tension law, and beside it its equation."""
+    return cast(TensionEquation, sys.modules[type(tension_law).__module__])
+
+
+def tension_rate(tension_law: TensionLaw, v: float, sigma: float) -> float:
+    """d(sigma_a)/dt of any law in plain Python, kPa/ms."""
+    equation, constants = equation_of(tension_law), tension_law.constants()
+    if not tension_law.linear:
+        return equation.tension_rate(v, sigma, constants)
+    rate, target = equation.relaxation(v, constants)
+    return rate * (target - sigma)
