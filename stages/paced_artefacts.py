@@ -18,7 +18,8 @@ class PacedBeats:
     ``interval`` is that from the stimulus before to the one that makes the beat, and tells the cases
     apart. ``activation_time`` counts from that stimulus; ``diastolic_interval`` is the time from 90 %
     repolarisation of the beat before, had nothing followed it, to this activation. Samples are
-    ``Restitution.sample_times`` after the stimulus. NaN where the stimulus made no beat, or came before the one before was over.
+    ``Restitution.sample_times`` after the stimulus. NaN where the stimulus made no beat, or came before the
+    beat before was over.
     """
 
     interval: Array = array("ms", "case")
@@ -47,11 +48,15 @@ class Restitution:
     s1_active_stress: Array = array("kPa", "sample")
 
 
+NO_WAVE, PASSES, REENTRY = 0.0, 1.0, 2.0
+"""Outcomes: the last stimulus adds no wave; one that passes; one that comes round again."""
+
+
 @dataclass(frozen=True)
 class VulnerableWindow:
-    """What becomes of the last stimulus, by the time at which it is given.
+    """What becomes of the last stimulus, by the time at which it is given: ``outcome``, and more.
 
-    ``outcome`` is 0 where it adds no wave, 1 where its wave passes, 2 where it comes round again. The
+    The
     shares are those of the film that it activates, and activates again; activations are those that it adds,
     and ``life_time`` is the time from it to the last of these anywhere.
     """

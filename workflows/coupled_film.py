@@ -20,19 +20,17 @@ from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
 from workflows.accuracy import with_picked_setting
-from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
 from workflows.film_checks import (
     acting_off_the_film,
     extent,
     interval,
     places_off_the_film,
-    stimuli_off_the_film,
     unfit_meshes,
     unusable_layers,
 )
-from workflows.mesh_checks import too_coarse
 from workflows.tables import exact
+from workflows.tissue_checks import unfit_stimuli, unfit_tissue
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
@@ -63,25 +61,19 @@ class CoupledFilmConfig(Section):
 
 def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     """What contradicts across sections, in words."""
-    film, measured = config.geometry, config.postprocessing
-    covered, needed = config.electrophysiology.duration, config.mechanics.duration
-    if covered < needed:
+    film, cells, shell = config.geometry, config.electrophysiology, config.mechanics
+    measured = config.postprocessing
+    if cells.duration < shell.duration:
         yield (
-            f"electrophysiology.duration = {exact(covered)} ms ends before mechanics.duration = "
-            f"{exact(needed)} ms: the film would move without knowing its active stress"
+            f"electrophysiology.duration = {exact(cells.duration)} ms ends before mechanics.duration = "
+            f"{exact(shell.duration)} ms: the film would move without knowing its active stress"
         )
     yield from places_off_the_film(film, measured)
-    yield from unusable_layers(film, config.mechanics)
-    yield from acting_off_the_film(film, config.mechanics)
-    yield from stimuli_off_the_film(film, config.electrophysiology)
-    cells, shell = config.electrophysiology, config.mechanics
-    meshes = {
-        "electrophysiology": (cells.degree, cells.elements),
-        "mechanics": (shell.degree, shell.elements),
-    }
-    yield from unfit_meshes(film, meshes)
-    yield from too_coarse(film, config.electrophysiology)
-    yield from threshold_out_of_reach(config.electrophysiology)
+    yield from unusable_layers(film, shell)
+    yield from acting_off_the_film(film, shell)
+    yield from unfit_meshes(film, {"mechanics": (shell.degree, shell.elements)})
+    yield from unfit_stimuli(film, cells.stimuli, cells.duration)
+    yield from unfit_tissue(film, cells)
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (

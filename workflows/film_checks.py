@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 
-from stages.electrophysiology.config import ElectrophysiologyConfig
+from stages.electrophysiology.stimuli.base import Stimulus
 from stages.geometry.config import FilmConfig
 from stages.geometry.shapes.base import Elements
 from stages.mechanics.config import ShellConfig
@@ -68,12 +68,11 @@ def unfit_meshes(film: FilmConfig, meshes: Mapping[str, tuple[int, Elements]]) -
             yield f"{section}.elements: {problem}"
 
 
-def stimuli_off_the_film(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
-    """Stimuli, or parts of them, that do not lie on the film."""
-    for i, stimulus in enumerate(cells.stimuli):
-        for problem in stimulus.off_the_film(film.length, film.width):
-            yield f"electrophysiology.stimuli.{i}: {problem}"
-        yield from _at_a_seam(f"electrophysiology.stimuli.{i}", stimulus.on_edge(), film)
+def stimulus_off_the_film(name: str, stimulus: Stimulus, film: FilmConfig) -> Iterator[str]:
+    """A stimulus, by the name of its parameter, of which a part does not lie on the film."""
+    for problem in stimulus.off_the_film(film.length, film.width):
+        yield f"{name}: {problem}"
+    yield from _at_a_seam(name, stimulus.on_edge(), film)
 
 
 def _at_a_seam(name: str, edge: str | None, film: FilmConfig) -> Iterator[str]:

@@ -14,12 +14,11 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import RestitutionConfig, RestitutionProtocol
 from stages.geometry.config import FilmConfig
 from workflows.accuracy import with_picked_setting
-from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
-from workflows.film_checks import extent, interval
+from workflows.film_checks import extent, interval, stimulus_off_the_film
 from workflows.film_quantities import listed
-from workflows.mesh_checks import too_coarse
 from workflows.surfaces import excitable_film
+from workflows.tissue_checks import threshold_out_of_reach, unfit_tissue
 from workflows.workflow import Export, Quantity, Workflow
 
 if TYPE_CHECKING:
@@ -55,15 +54,14 @@ def _misfits(config: RestitutionWorkflowConfig) -> Iterator[str]:
             "electrophysiology.stimuli must be empty here: protocol.pulses says what paces the "
             "tissue, and protocol.count, period and intervals say when"
         )
-    yield from threshold_out_of_reach(config.electrophysiology)
-    if protocol.preparation != "cable":
+    if protocol.preparation == "cell":
+        yield from threshold_out_of_reach(config.electrophysiology)
         return
-    for problem in protocol.pulse.off_the_film(film.length, film.width):
-        yield f"protocol.pulses.cable: {problem}"
-    yield from too_coarse(film, config.electrophysiology)
+    yield from stimulus_off_the_film("protocol.pulses.cable", protocol.pulse, film)
+    yield from unfit_tissue(film, config.electrophysiology)
     window = protocol.window
     if window[0] < 0 or window[1] > film.length:
-        yield (f"protocol.window = {interval(window)} mm reaches outside the strip {extent(film)}")
+        yield f"protocol.window = {interval(window)} mm reaches outside the strip {extent(film)}"
 
 
 def plan(config: RestitutionWorkflowConfig) -> Mapping[str, Node[Any]]:

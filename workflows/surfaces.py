@@ -13,13 +13,8 @@ if TYPE_CHECKING:
 
 
 def excitable_film(film: FilmConfig, tissue: ElectrophysiologyConfig) -> Node[FilmGeometry]:
-    """The film with the mesh of its cells; that of the shell is as coarse as can be."""
+    """The film with the mesh of its cells, which is that of the shell too: any shape allows it."""
     from stages.geometry.stage import geometry
 
-    return geometry(
-        GeometryStageConfig(
-            film=film,
-            excitable_mesh=MeshConfig(elements=tissue.elements, degree=tissue.degree),
-            shell_mesh=MeshConfig(elements=(1, 1), degree=2),
-        )
-    )
+    mesh = MeshConfig(elements=tissue.elements, degree=tissue.degree)
+    return geometry(GeometryStageConfig(film=film, excitable_mesh=mesh, shell_mesh=mesh))

@@ -12,21 +12,18 @@ from stages.configuration import Section
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import WindowConfig, WindowProtocol
 from stages.geometry.config import FilmConfig
+from stages.paced_artefacts import REENTRY
 from workflows.accuracy import with_picked_setting
-from workflows.cell_checks import threshold_out_of_reach
 from workflows.conduction import conducting
-from workflows.film_checks import off_the_film, stimuli_off_the_film
+from workflows.film_checks import off_the_film
 from workflows.film_quantities import listed
-from workflows.mesh_checks import too_coarse
 from workflows.surfaces import excitable_film
+from workflows.tissue_checks import unfit_stimuli, unfit_tissue
 from workflows.workflow import Export, Quantity, Workflow
 
 if TYPE_CHECKING:
     from pipeline.nodes import Node
     from stages.paced_artefacts import VulnerableWindow
-
-REENTRY = 2.0
-"""As the stage says it."""
 
 
 class WindowWorkflowConfig(Section):
@@ -58,9 +55,11 @@ def _misfits(config: WindowWorkflowConfig) -> Iterator[str]:
             f"{len(cells.stimuli)}, but the window takes two or more: those that are given at their own "
             "time, and the last, which is moved; for instance ['S1', 'S3']"
         )
-    yield from stimuli_off_the_film(film, cells)
-    yield from too_coarse(film, cells)
-    yield from threshold_out_of_reach(cells)
+        return
+    last = config.protocol.times[-1]
+    stimuli = (*cells.stimuli[:-1], cells.stimuli[-1].model_copy(update={"start": last}))
+    yield from unfit_stimuli(film, stimuli, last + cells.duration)
+    yield from unfit_tissue(film, cells)
     for name, place in config.protocol.probes.items():
         yield from off_the_film(f"protocol.probes.{name}", place, film)
 
@@ -71,7 +70,11 @@ def plan(config: WindowWorkflowConfig) -> Mapping[str, Node[Any]]:
 
     tissue = conducting(config.electrophysiology, config.geometry)
     film = excitable_film(config.geometry, tissue)
-    swept = WindowConfig(tissue=tissue, protocol=config.protocol)
+    *fixed, moved = tissue.stimuli  # wherever the last one starts, the protocol moves it
+    stimuli = (*fixed, moved.model_copy(update={"start": 0.0}))
+    swept = WindowConfig(
+        tissue=tissue.model_copy(update={"stimuli": stimuli}), protocol=config.protocol
+    )
     return {
         "geometry": film,
         "vulnerable_window": vulnerable_window(swept, surface=film.part("excitable_surface")),

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.configuration import Count, OneOf, quantity, setting, unkeyed
+from stages.configuration import Count, quantity, setting, unkeyed
 from stages.electrophysiology.cell_config import CellConfig
 from stages.electrophysiology.limits import n_steps_needed
-from stages.electrophysiology.schemes.base import Scheme
+from stages.electrophysiology.schemes.base import AnyScheme
 from stages.electrophysiology.stimuli.base import AnyStimulus
 from stages.electrophysiology.stimulus_library import with_named_stimuli
 
@@ -75,7 +75,7 @@ class ElectrophysiologyConfig(CellConfig):
         default=None,
     )
     membrane_capacitance: float = quantity("nF/mm^2", "membrane capacitance C_m", "Table 3", gt=0)
-    scheme: Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)] = setting(
+    scheme: AnyScheme = setting(
         "scheme in time by name", "sec. 3.4", default="cn-ab2", validate_default=True
     )
     stimuli: tuple[AnyStimulus, ...] = setting(
@@ -96,15 +96,6 @@ class ElectrophysiologyConfig(CellConfig):
     def _look_up_stimuli(cls, data: Any) -> Any:
         """Replace names in ``stimuli`` by their tables in ``stimulus_library``."""
         return with_named_stimuli(data)
-
-    @model_validator(mode="after")
-    def _stimuli_lie_in_the_run(self) -> ElectrophysiologyConfig:
-        for i, stimulus in enumerate(self.stimuli):
-            for problem in stimulus.outside_the_run(self.duration):
-                raise PydanticCustomError(
-                    "stimulus", "stimuli.{i}: {problem}", {"i": i, "problem": problem}
-                )
-        return self
 
     @model_validator(mode="after")
     def _angle_has_a_meaning(self) -> ElectrophysiologyConfig:

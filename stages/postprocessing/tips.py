@@ -1,4 +1,4 @@
-"""Tips of spiral waves: where they are, which way they turn, and the paths that they take.
+"""Tips of spiral waves: where they are, and which way they turn.
 
 The line v = v_iso has a front, where v rises, and a back, where it falls. They meet at a tip, where
 v = v_iso and dv/dt = 0 at once (Fenton and Karma, 1998, Chaos 8, 20). Between two frames v is their

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.verification.studies import broken_limits, table_of
-from workflows.verification.orders import observed, space_errors, time_errors, ways
+from workflows.verification.collocated import observed_order
+from workflows.verification.orders import space_errors, time_errors, ways
 
 SHORT = (
     "degrees=[2, 3, 4]",
@@ -23,9 +24,11 @@ def test_speed_and_profile_of_the_front_converge_in_space_and_time() -> None:
         for degree, order in ((2, 2), (3, 2), (4, 4)):
             # h is 0.4 to 0.9 of the front's length l: within a quarter of the order
             n, error = space_errors(table, column, degree)
-            assert observed(n, error, 0.0) == pytest.approx(order, abs=0.3)
+            assert observed_order(n, error, 0.0) == pytest.approx(order, abs=0.3)
         for way in ways(table):
-            assert observed(*time_errors(table, column, *way), 0.0) == pytest.approx(2.0, abs=0.1)
+            assert observed_order(*time_errors(table, column, *way), 0.0) == pytest.approx(
+                2.0, abs=0.1
+            )
 
 
 def test_the_splitting_is_ten_times_as_accurate_as_the_published_scheme() -> None:

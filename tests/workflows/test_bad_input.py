@@ -53,6 +53,10 @@ def refused(result: Result, *parts: str) -> None:
             "start=0.0, duration=5.0, current=20.0}]",
             ["stimulated rectangle [3, 4] x [0, 1] mm", "outside the film"],
         ),
+        (
+            "electrophysiology.stimuli.1.start=2000",
+            ["electrophysiology.stimuli.1: begins at 2000 ms, but the run ends at 2000 ms"],
+        ),
         ("mechanics.supports.clamp.edge=X=1", ["mechanics.supports.clamp.edge", "'X=L1'"]),
         ("mechanics.supports.clamp.kind=clamp", ["choose one of", "clamped-normal", "symmetry"]),
         (

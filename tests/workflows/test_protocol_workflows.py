@@ -15,8 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pipeline.canonical import canonical
+from pipeline.errors import InputError
 from stages.paced_artefacts import PacedBeats
 from tests.workflows.conftest import invoke
+from workflows.request import Request
 from workflows.restitution import largest_slope, shortest_interval
 
 ROOT = Path(__file__).parents[2]
@@ -150,6 +153,55 @@ def test_misfits_are_refused_before_anything_is_computed(
     for text in expected:
         assert text in said
     assert not (tmp_path / "store").exists()
+
+
+TUBE = 'geometry.shape={name="tube", axis="X"}'
+STRIP = ("protocol.preparation=cable", "geometry.width=1.0", "electrophysiology.elements=[102, 9]")
+
+
+@pytest.mark.parametrize(
+    ("workflow", "settings", "expected"),
+    [
+        ("restitution", (*STRIP, "protocol.pulses.cable.edge=Y=0"), "cable: there is no edge Y=0"),
+        ("restitution", (*STRIP, "electrophysiology.elements=[102, 2]"), "too few around a tube"),
+        ("vulnerable-window", (), "stimuli.1: there is no edge Y=0"),
+        (
+            "vulnerable-window",
+            ("electrophysiology.stimuli.1.edge=X=L1", "electrophysiology.elements=[51, 4]"),
+            "too few around a tube",
+        ),
+    ],
+)
+def test_what_a_tube_does_not_allow_is_refused(
+    workflow: str, settings: tuple[str, ...], expected: str, tmp_path: Path
+) -> None:
+    result = invoke(*line(workflow, tmp_path, TUBE, *settings))
+    assert result.exit_code == 2, result.output
+    assert expected in " ".join(result.output.split())
+
+
+def test_tubes_may_be_paced(tmp_path: Path) -> None:
+    settings = (*STRIP, "electrophysiology.n_steps=3000", "electrophysiology.scheme=strang")
+    short = ("protocol.count=1", "protocol.intervals=[600]", "protocol.periods=[]")
+    result = invoke(*line("restitution", tmp_path, TUBE, *settings, *short))
+    assert result.exit_code == 0, result.output
+    (speed,) = summary(tmp_path)["quantities"]["conduction_velocity"]["value"]
+    assert 0.014 < speed < 0.0175  # below that of the front at rest
+
+
+def test_the_window_counts_the_run_from_the_first_stimulus_and_the_watch_from_the_last() -> None:
+    """A train that is longer than each case is watched, and a last stimulus that starts wherever."""
+    train = "electrophysiology.stimuli.0={name='S1', repeats=4, period=400}"
+    late = "protocol.times=[1600, 1700]"
+    one, other = (
+        Request.read(
+            "vulnerable-window", None, [train, late, f"electrophysiology.stimuli.1.start={start}"]
+        ).nodes()["vulnerable_window"]
+        for start in (0, 1000)
+    )
+    assert canonical(one.config) == canonical(other.config)
+    with pytest.raises(InputError, match=r"stimuli.0: the last of 4 pulses .* ends at 1190 ms"):
+        Request.read("vulnerable-window", None, [train, "protocol.times=[390]"])
 
 
 def test_a_window_beside_the_strip_is_refused(tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ import pytest
 
 from pipeline.canonical import canonical
 from tests.workflows.conftest import invoke
-from workflows.mesh_checks import fewest_elements
 from workflows.request import Request
 from workflows.rotation import outermost, turn_times
+from workflows.tissue_checks import fewest_elements
 
 SMALL = (
     "electrophysiology.elements=[28, 16]",

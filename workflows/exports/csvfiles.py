@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from stages.numerics.bsplines import Array
+from stages.paced_artefacts import PacedBeats, VulnerableWindow
 from workflows.exports.files import write_text
 from workflows.workflow import Quantity
 
@@ -29,6 +32,19 @@ def write_columns(path: Path, quantities: Mapping[str, Quantity]) -> None:
     headings, columns = [], []
     for name, quantity in quantities.items():
         assert isinstance(quantity.value, list)
-        headings.append(f"{name} [{quantity.unit}]" if quantity.unit else name)
+        headings.append(_heading(name, quantity.unit))
         columns.append([math.nan if value is None else value for value in quantity.value])
     write_csv(path, headings, zip(*columns, strict=True))
+
+
+def case_columns(record: PacedBeats | VulnerableWindow) -> dict[str, Array]:
+    """Fields with one value per case, shape ``(case,)``, by their headings."""
+    return {
+        _heading(field.name, field.metadata["unit"]): getattr(record, field.name)
+        for field in dataclasses.fields(record)
+        if field.metadata.get("axes") == ("case",)
+    }
+
+
+def _heading(name: str, unit: str) -> str:
+    return name if unit in ("", "1") else f"{name} [{unit}]"

@@ -57,7 +57,7 @@ def _draw(axes: Axes, measured: Restitution, name: str, label: str, what: str = 
             text = f"{about},{what}" if what else about
             axes.plot(rest, values, color=colour, label=text, marker=marker, ms=4, ls=line)
     axes.set_ylabel(label)
-    if not what:
+    if not what and axes.get_lines():
         axes.legend()
 
 
@@ -73,4 +73,5 @@ def _draw_traces(axes: Axes, measured: Restitution) -> None:
         axes.plot(measured.sample_times, beats.potential[case], color=colour, label=interval)
     axes.set_xlabel("time since S2 [ms]")
     axes.set_ylabel("potential $v$ [mV]")
-    axes.legend(title="S1 to S2", fontsize=8)
+    if axes.get_lines():
+        axes.legend(title="S1 to S2", fontsize=8)

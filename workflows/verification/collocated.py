@@ -69,10 +69,10 @@ def theory(degree: int) -> int:
     return degree if degree % 2 == 0 else degree - 1
 
 
-def observed_order(elements: Array, errors: Array) -> float:
-    """Order between the two finest meshes whose errors lie above round-off."""
+def observed_order(n: Array, errors: Array, round_off: float = ROUND_OFF) -> float:
+    """Order between the two finest meshes, or steps, whose errors lie above round-off."""
     import numpy as np
 
-    usable = errors > ROUND_OFF
-    n, error = elements[usable][-2:], errors[usable][-2:]
+    usable = errors > round_off
+    n, error = n[usable][-2:], errors[usable][-2:]
     return float(np.log(error[0] / error[1]) / np.log(n[1] / n[0]))

@@ -1,12 +1,14 @@
 """Orders of schemes for waves in space and time, from tables of errors.
 
-A table has the columns degree, elements, steps, scheme and general, and errors. Rows with 0 steps hold errors in space alone.
+A table has the columns degree, elements, steps, scheme and general, and errors. Rows with 0 steps hold
+errors in space alone.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from workflows.verification.collocated import observed_order, theory
 from workflows.workflow import Quantity
 
 if TYPE_CHECKING:
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stages.artefacts import StudyTable
+    from stages.electrophysiology.schemes.base import Scheme
     from stages.numerics.bsplines import Array
 
 SCHEMES = ("cn-ab2", "strang")
@@ -21,17 +24,6 @@ SCHEMES = ("cn-ab2", "strang")
 
 TIME_ORDER = 2
 """Of every scheme."""
-
-
-def theory(degree: int) -> int:
-    """Order in space of collocation at Greville points.
-
-    Examples
-    --------
-    >>> theory(2), theory(3), theory(4)
-    (2, 2, 4)
-    """
-    return degree if degree % 2 == 0 else degree - 1
 
 
 def space_errors(table: StudyTable, column: str, degree: int) -> tuple[Array, Array]:
@@ -59,19 +51,16 @@ def degrees(table: StudyTable) -> list[int]:
     return sorted(set(table.column("degree")[table.column("steps") == 0].astype(int).tolist()))
 
 
-def observed(n: Array, error: Array, round_off: float) -> float:
-    """Order between the two finest that are above round-off."""
-    import numpy as np
-
-    n, error = n[error > round_off][-2:], error[error > round_off][-2:]
-    return float(np.log(error[0] / error[1]) / np.log(n[1] / n[0]))
+def number_of(scheme: Scheme) -> int:
+    """What stands for a scheme in a table."""
+    return SCHEMES.index(scheme.name)
 
 
 def order_quantities(table: StudyTable, column: str, round_off: float) -> dict[str, Quantity]:
     """Every order, with what theory says."""
     found = {
         f"order_p{degree}": Quantity(
-            observed(*space_errors(table, column, degree), round_off),
+            observed_order(*space_errors(table, column, degree), round_off),
             "",
             f"order in space, theory {theory(degree)}",
         )
@@ -81,7 +70,7 @@ def order_quantities(table: StudyTable, column: str, round_off: float) -> dict[s
         solver = "general" if general else "fast"
         name = SCHEMES[scheme]
         found[f"time_order_{name}_{solver}"] = Quantity(
-            observed(*time_errors(table, column, scheme, general), round_off),
+            observed_order(*time_errors(table, column, scheme, general), round_off),
             "",
             f"order in time of {name}, {solver} solver, theory {TIME_ORDER}",
         )
@@ -91,11 +80,12 @@ def order_quantities(table: StudyTable, column: str, round_off: float) -> dict[s
 def behind(table: StudyTable, column: str, round_off: float) -> float:
     """How far an order falls behind the theory at most."""
     in_space = [
-        theory(degree) - observed(*space_errors(table, column, degree), round_off)
+        theory(degree) - observed_order(*space_errors(table, column, degree), round_off)
         for degree in degrees(table)
     ]
     in_time = [
-        TIME_ORDER - observed(*time_errors(table, column, *way), round_off) for way in ways(table)
+        TIME_ORDER - observed_order(*time_errors(table, column, *way), round_off)
+        for way in ways(table)
     ]
     return max(0.0, *in_space, *in_time)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.protocols.config import RestitutionConfig, WindowConfig
-from stages.paced_artefacts import PacedBeats, Restitution, VulnerableWindow
+from stages.paced_artefacts import REENTRY, PacedBeats, Restitution, VulnerableWindow
 
 if TYPE_CHECKING:
     from stages.electrophysiology.protocols.cases import Cases
@@ -86,7 +86,7 @@ def vulnerable_window(
 ) -> VulnerableWindow:
     """The last stimulus at each time, and at times between, until the borders of re-entry are known."""
     from stages.electrophysiology.protocols.cases import Cases, bisections, refine_borders
-    from stages.electrophysiology.protocols.window import COLUMNS, REENTRY, CrossField
+    from stages.electrophysiology.protocols.window import COLUMNS, CrossField
 
     protocol = config.protocol
     film = CrossField(config, surface.patch)

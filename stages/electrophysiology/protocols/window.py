@@ -11,9 +11,7 @@ from stages.electrophysiology.protocols.gauges import nearest_points
 from stages.electrophysiology.tissue import Stepper, TissueState
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
-
-NOTHING, PASSES, REENTRY = 0.0, 1.0, 2.0
-"""Outcomes: the last stimulus adds no wave; one that passes; one that comes round again."""
+from stages.paced_artefacts import NO_WAVE, PASSES, REENTRY
 
 COLUMNS = ("outcome", "activated_share", "reactivated_share", "life_time")
 """What is measured in each case, in this order; activations at the probes follow."""
@@ -58,7 +56,7 @@ class CrossField:
         end, times = run.state.steps * run.step, run.beats()["activation_times"]
         more = _counts(times, start, end) - _counts(self._without, start, end)
         activated, again = float((more >= 1).mean()), float((more >= 2).mean())
-        outcome = NOTHING
+        outcome = NO_WAVE
         if again >= self._least:
             outcome = REENTRY
         elif activated >= self._least:

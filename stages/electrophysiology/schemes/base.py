@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
-from stages.configuration import Section
+from stages.configuration import OneOf, Section
 
 if TYPE_CHECKING:
     from stages.electrophysiology.limits import Decay
@@ -36,3 +36,6 @@ class Scheme(Section):
     def longest_step(self, decay: Decay) -> float:
         """Longest step with which cells of these decays are stable, ms; here any, since the scheme sees to it."""
         return math.inf
+
+
+AnyScheme: TypeAlias = Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)]

@@ -15,9 +15,9 @@ from pydantic import Field
 
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import StudyTable
-from stages.configuration import Count, OneOf, Section, quantity, setting
+from stages.configuration import Count, Section, quantity, setting
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.schemes.base import Scheme
+from stages.electrophysiology.schemes.base import AnyScheme
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stages.numerics.bsplines import Array
-
-AnyScheme = Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)]
 
 
 class FastPathConfig(Section):

@@ -12,15 +12,15 @@ Nagumo, Yoshizawa, Arimoto (1965), Bistable transmission lines, IEEE Trans. Circ
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import StudyTable
-from stages.configuration import Count, OneOf, Section, quantity, setting
+from stages.configuration import Count, Section, quantity, setting
 from stages.electrophysiology.cell_models.aliev_panfilov import AlievPanfilov
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.schemes.base import Scheme
-from workflows.verification.orders import SCHEMES, behind, draw_orders, order_quantities
+from stages.electrophysiology.schemes.base import AnyScheme, Scheme
+from workflows.verification.orders import behind, draw_orders, number_of, order_quantities
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from stages.numerics.bsplines import Array
 
-AnyScheme = Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)]
 ROUND_OFF = 1e-8
 """Relative errors below this are not used for orders: what the extrapolation leaves."""
 
@@ -90,7 +89,7 @@ def front(config: FrontConfig, *, run: StageRun) -> StudyTable:
     for degree, elements in space:
         limit = _limit(config, degree, elements, n)
         error = (abs(limit.speed / speed - 1.0), float(np.abs(limit.profile - limit.exact).max()))
-        rows.append((degree, elements, 0, _number(config.schemes[-1]), False, *error))
+        rows.append((degree, elements, 0, number_of(config.schemes[-1]), False, *error))
         run.progress(len(rows), len(space) + len(time))
     mesh = config.time_mesh
     limit = _limit(config, *mesh, n)
@@ -101,7 +100,7 @@ def front(config: FrontConfig, *, run: StageRun) -> StudyTable:
                 (
                     *mesh,
                     steps,
-                    _number(scheme),
+                    number_of(scheme),
                     general,
                     abs(found.speed / limit.speed - 1.0),
                     float(np.abs(found.profile - limit.profile).max()),
@@ -174,10 +173,6 @@ def _place(x: Array, v: Array, length: float) -> float:
     inside = np.clip(v, 1e-6, 1.0 - 1e-6)
     weight = (inside * (1.0 - inside)) ** 2
     return float(weight @ (x + length * np.log(inside / (1.0 - inside))) / weight.sum())
-
-
-def _number(scheme: Scheme) -> int:
-    return SCHEMES.index(scheme.name)
 
 
 def quantities(table: StudyTable) -> dict[str, Quantity]:

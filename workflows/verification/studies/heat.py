@@ -12,14 +12,14 @@ Appl. Sci. 20, 2075, for the orders in space.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from pipeline.nodes import StageRun, stage
 from stages.artefacts import StudyTable
-from stages.configuration import Count, OneOf, Section, quantity, setting
+from stages.configuration import Count, Section, quantity, setting
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.schemes.base import Scheme
-from workflows.verification.orders import SCHEMES, behind, draw_orders, order_quantities
+from stages.electrophysiology.schemes.base import AnyScheme, Scheme
+from workflows.verification.orders import behind, draw_orders, number_of, order_quantities
 from workflows.verification.study import Study
 from workflows.workflow import Quantity
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from stages.numerics.bsplines import Array
 
-AnyScheme = Annotated[Scheme, OneOf("stages.electrophysiology.schemes", Scheme)]
 ROUND_OFF = 1e-9
 """Relative errors below this are not used for orders: hundreds of steps on 80 mV, extrapolated."""
 
@@ -61,13 +60,15 @@ def heat(config: HeatConfig, *, run: StageRun) -> StudyTable:
     for degree, elements in space:
         exact, (once, twice) = _ends(config, degree, elements, (n, 2 * n))
         error = _relative(once + 4.0 / 3.0 * (twice - once), exact)
-        rows.append((degree, elements, 0, _number(config.schemes[-1]), False, error))
+        rows.append((degree, elements, 0, number_of(config.schemes[-1]), False, error))
         run.progress(len(rows), len(space) + len(time))
     degree, elements = max(config.degrees), max(config.elements)
     for number, (scheme, general) in enumerate(time, start=1):
         exact, ends = _ends(config, degree, elements, config.steps, scheme, general)
         for steps, end in zip(config.steps, ends, strict=True):
-            rows.append((degree, elements, steps, _number(scheme), general, _relative(end, exact)))
+            rows.append(
+                (degree, elements, steps, number_of(scheme), general, _relative(end, exact))
+            )
         run.progress(len(space) + number, len(space) + len(time))
     names = ("degree", "elements", "steps", "scheme", "general", "error")
     return StudyTable(names, ("",) * 6, np.array(rows, dtype=float))
@@ -109,10 +110,6 @@ def _relative(found: Array, exact: Array) -> float:
     import numpy as np
 
     return float(np.linalg.norm(found - exact) / np.linalg.norm(exact))
-
-
-def _number(scheme: Scheme) -> int:
-    return SCHEMES.index(scheme.name)
 
 
 def quantities(table: StudyTable) -> dict[str, Quantity]:

@@ -158,23 +158,19 @@ def draw(table: StudyTable, figure: Figure) -> None:
     axes.legend(fontsize=8)
     axes.set_title("(a)")
     if table.sampled is not None:
-        _draw_field(table, square, figure)
+        _draw_field(table.sampled, square, figure)
+        degree, n, _ = table.values[-1]
+        square.set_title(f"(b) v with p = {int(degree)} on {int(n)} x {int(n)} spans")
 
 
-def _draw_field(table: StudyTable, axes: Axes, figure: Figure) -> None:
+def _draw_field(sampled: Array, axes: Axes, figure: Figure) -> None:
     """Field of the last mesh; the lines are every eighth part of the distorted parameters."""
-    x, y, _, v = table.sampled.transpose(2, 0, 1)  # type: ignore[union-attr]
+    x, y, _, v = sampled.transpose(2, 0, 1)
     colours = axes.pcolormesh(x, y, v, shading="gouraud", rasterized=True)
     for i in range(0, len(x), 8):
         axes.plot(x[i], y[i], color="white", lw=0.5)
         axes.plot(x[:, i], y[:, i], color="white", lw=0.5)
-    degree, n, _ = table.values[-1]
-    axes.set(
-        aspect="equal",
-        xlabel="X",
-        ylabel="Y",
-        title=f"(b) v with p = {int(degree)} on {int(n)} x {int(n)} spans",
-    )
+    axes.set(aspect="equal", xlabel="X", ylabel="Y")
     figure.colorbar(colours, ax=axes, shrink=0.8)
 
 

@@ -1,16 +1,36 @@
-"""Whether the mesh of the cells can carry a front, before anything is computed."""
+"""Whether mesh, threshold and stimuli suit the film and its cells, before anything is computed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.front import tissue_front
+from stages.electrophysiology.limits import excitation
+from stages.electrophysiology.stimuli.base import Stimulus
 from stages.geometry.config import FilmConfig
+from workflows.film_checks import stimulus_off_the_film, unfit_meshes
+from workflows.tables import number
 
 FEWEST = 3.0
 """Collocation points across a front: with fewer it is pinned to the mesh, or jumps from point to point."""
+
+
+def unfit_tissue(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
+    """A mesh or a threshold with which no front would run, or be seen, on the film."""
+    yield from unfit_meshes(film, {"electrophysiology": (cells.degree, cells.elements)})
+    yield from too_coarse(film, cells)
+    yield from threshold_out_of_reach(cells)
+
+
+def unfit_stimuli(film: FilmConfig, stimuli: Sequence[Stimulus], end: float) -> Iterator[str]:
+    """Stimuli, or parts of them, that do not lie on the film or come after ``end`` (ms)."""
+    for i, stimulus in enumerate(stimuli):
+        name = f"electrophysiology.stimuli.{i}"
+        yield from stimulus_off_the_film(name, stimulus, film)
+        for problem in stimulus.outside_the_run(end):
+            yield f"{name}: {problem}"
 
 
 def too_coarse(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str]:
@@ -46,3 +66,16 @@ def fewest_elements(side: float, degree: int, width: float) -> int:
     (29, 1)
     """
     return max(math.ceil(FEWEST * side / width - 1e-9) - degree + 1, 1)
+
+
+def threshold_out_of_reach(cells: ElectrophysiologyConfig) -> Iterator[str]:
+    """An activation threshold that action potentials of these cells do not cross from below."""
+    found, threshold = excitation(cells), cells.activation_threshold
+    if found is None or found.start < threshold < found.peak:
+        return
+    middle = round(0.5 * (found.start + found.peak))
+    yield (
+        f"electrophysiology.activation_threshold = {number(threshold)} mV does not lie between rest "
+        f"({number(found.start)} mV) and peak ({number(found.peak)} mV) of these cells: no activation "
+        f"would be found; half way is {middle} mV"
+    )
