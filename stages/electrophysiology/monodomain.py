@@ -35,7 +35,7 @@ def build(
         sources(config.stimuli, patch),
         compile_reaction(config.cell_model, config.tension_law),
         (config.cell_model.constants(), config.tension_law.constants()),
-        max(decay(config)),
+        decay(config),
         operators.frame.position,
     )
     stepper = config.scheme.stepper(problem, patch, operators, general)

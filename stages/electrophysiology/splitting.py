@@ -21,9 +21,18 @@ REACH = 1.0
 """Decay times that one step of RK4 may take: it is stable up to 2.785, and accurate well below."""
 
 
-def substeps(problem: Problem) -> int:
-    """Steps of RK4 into which half a step of the cells is divided."""
-    return max(math.ceil(0.5 * problem.step * problem.fastest / REACH), 1)
+class Parts(NamedTuple):
+    """Steps of RK4 into which half a step of the cells is divided, and a whole step of their stress."""
+
+    excitation: int
+    contraction: int
+
+
+def parts(problem: Problem) -> Parts:
+    """As many as keep each within :data:`REACH`."""
+    decay, step = problem.decay, problem.step
+    excitation = 0.5 * step * max(decay.potential, decay.states)
+    return Parts(*(max(math.ceil(x / REACH), 1) for x in (excitation, step * decay.stress)))
 
 
 class GeneralSplitting:
@@ -31,7 +40,7 @@ class GeneralSplitting:
 
     def __init__(self, problem: Problem, diffusion: LStableDiffusion) -> None:
         self.problem, self.diffusion = problem, diffusion
-        self.substeps = substeps(problem)
+        self.parts = parts(problem)
 
     def diffusion_state(self, potential: Array) -> Array:
         """Nothing: the potential at the points is all that a step needs."""
@@ -40,18 +49,20 @@ class GeneralSplitting:
     def advance(self, state: TissueState, steps: int, beats: Watch = UNWATCHED) -> None:
         """Take ``steps`` steps in place."""
         problem, diffusion = self.problem, self.diffusion
-        step, cells, react = problem.step, state.cells(), problem.reaction.react
+        step, cells, reaction = problem.step, state.cells(), problem.reaction
+        cell, tension = problem.constants
         means = problem.means(state.steps, steps)
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
-            start = state.steps * step
-            react(cells, nothing, 0.5 * step, self.substeps, *problem.constants)
+            start, before = state.steps * step, state.potential.copy()
+            reaction.excite(cells, 0.5 * step, self.parts.excitation, cell)
             new = diffusion(state.potential, nothing, nothing)
             for mean, response in zip(means[k], diffusion.responses, strict=True):
                 if mean:
                     new += mean * response
             state.potential[:] = new
-            react(cells, nothing, 0.5 * step, self.substeps, *problem.constants)
+            reaction.excite(cells, 0.5 * step, self.parts.excitation, cell)
+            reaction.contract(cells, before, step, self.parts.contraction, tension)
             problem.count(state, 0 if any_bad(cells) else 1, 1)
             watch(beats, state.potential, start, step)
 
@@ -73,10 +84,10 @@ class SeparableSplitting:
     def __init__(
         self, problem: Problem, diffusion: LStableDiffusion, modes: tuple[Modes, Modes]
     ) -> None:
-        self.problem, self.substeps = problem, substeps(problem)
+        self.problem, self.parts = problem, parts(problem)
         first, second = modes
         self.shape = (first.to_points.shape[0], second.to_points.shape[0])
-        self.block = compile_block(problem.reaction.react)
+        self.block = compile_block(problem.reaction.excite, problem.reaction.contract)
         self.system = System(
             np.ascontiguousarray(first.to_points),
             np.ascontiguousarray(second.to_points.T),
@@ -99,7 +110,7 @@ class SeparableSplitting:
             problem.means(state.steps, steps),
             state.steps,
             problem.step,
-            self.substeps,
+            self.parts,
             beats,
             *problem.constants,
         )
@@ -107,7 +118,7 @@ class SeparableSplitting:
 
 
 @functools.cache
-def compile_block(react: Callable[..., None]) -> Callable[..., int]:
+def compile_block(excite: Callable[..., None], contract: Callable[..., None]) -> Callable[..., int]:
     """Compiled loop over time steps of :class:`SeparableSplitting`, once per pair of models.
 
     It returns how many steps ended well: fewer than asked if the one after them left a bad state.
@@ -120,7 +131,7 @@ def compile_block(react: Callable[..., None]) -> Callable[..., int]:
         means: Any,
         first_step: int,
         step: float,
-        substeps: int,
+        parts: Any,
         beats: Any,
         cell: Any,
         tension: Any,
@@ -129,14 +140,15 @@ def compile_block(react: Callable[..., None]) -> Callable[..., int]:
         m1, m2 = to1.shape[0], to2.shape[1]
         potential, half_step = cells.potential, 0.5 * step
         grid = potential.reshape((m1, m2))
-        nothing = np.zeros(potential.size)
+        before = np.empty_like(potential)
         half = np.empty((from1.shape[0], m2))
         modes = np.empty((from1.shape[0], from2.shape[1]))
         damped = np.empty_like(modes)
         wide = np.empty((m1, to2.shape[0]))
         asked = means.shape[0]
         for k in range(asked):
-            react(cells, nothing, half_step, substeps, cell, tension)
+            before[:] = potential
+            excite(cells, half_step, parts.excitation, cell)
             np.dot(from1, grid, half)
             np.dot(half, from2, modes)
             multiply(damp, modes, damped)
@@ -146,7 +158,8 @@ def compile_block(react: Callable[..., None]) -> Callable[..., int]:
                 if means[k, s] != 0.0:
                     for i in range(potential.size):
                         potential[i] += means[k, s] * responses[s, i]
-            react(cells, nothing, half_step, substeps, cell, tension)
+            excite(cells, half_step, parts.excitation, cell)
+            contract(cells, before, step, parts.contraction, tension)
             if any_bad(cells):
                 return k
             watch(beats, potential, (first_step + k) * step, step)

@@ -10,6 +10,7 @@ import numpy as np
 
 from stages.electrophysiology.events import UNWATCHED, Watch
 from stages.electrophysiology.guard import first_bad
+from stages.electrophysiology.limits import Decay
 from stages.electrophysiology.reaction import Cells, Reaction
 from stages.electrophysiology.sources import Source
 from stages.numerics.bsplines import Array
@@ -90,8 +91,8 @@ class Problem:
     """Data of the time loop.
 
     Time step in ms; C_m in nF/mm^2 and D in nF/ms; stimuli; the compiled loops over cells
-    with the constants of the cell model and of the tension law; the fastest decay of anything in a
-    cell in 1/ms; the points in mm, shape ``(point, 3)``.
+    with the constants of the cell model and of the tension law; the fastest decays in a cell in 1/ms;
+    the points in mm, shape ``(point, 3)``.
     """
 
     step: float
@@ -100,7 +101,7 @@ class Problem:
     sources: tuple[Source, ...]
     reaction: Reaction
     constants: tuple[NamedTuple, NamedTuple]
-    fastest: float
+    decay: Decay
     position: Array
 
     def amplitudes(self, first: int, steps: int) -> Array:

@@ -14,7 +14,7 @@ from stages.numerics.bsplines import Array
 from tests.paper import CELL, TENSION
 
 CONSTANTS = (CELL.constants(), TENSION.constants())
-ADVANCE, REACT = compile_reaction(CELL, TENSION)
+ADVANCE, REACT, EXCITE, CONTRACT = compile_reaction(CELL, TENSION)
 
 
 def random_cells(count: int, seed: int = 0) -> Cells:
@@ -90,6 +90,30 @@ def test_react_equals_its_plain_twin() -> None:
     ):
         np.testing.assert_allclose(values, plain, rtol=1e-12, atol=1e-13)
     np.testing.assert_array_equal(cells.ionic, before)
+
+
+def test_excite_moves_potential_and_states_as_react_does_and_no_stress() -> None:
+    one, other = random_cells(257), random_cells(257)
+    REACT(one, np.zeros(257), 0.3, 3, *CONSTANTS)
+    EXCITE(other, 0.3, 3, CONSTANTS[0])
+    # the same operations up to fused multiply-add, enlarged by the steep current
+    np.testing.assert_allclose(other.potential, one.potential, rtol=1e-13, atol=1e-12)
+    np.testing.assert_allclose(other.states, one.states, rtol=1e-13, atol=1e-13)
+    np.testing.assert_array_equal(other.stress, random_cells(257).stress)
+
+
+def test_contract_moves_the_stress_as_advance_does_in_as_many_parts() -> None:
+    step, parts = 0.3, 3
+    one, other = random_cells(257), random_cells(257)
+    old = one.potential.copy()
+    change = np.random.default_rng(1).normal(0, 0.5, 257)
+    for k in range(parts):
+        ADVANCE(one, old + (k + 1) * change / parts, step / parts, *CONSTANTS)
+    other.potential[:] = old + change
+    CONTRACT(other, old, step, parts, CONSTANTS[1])
+    # rounding of the potential, enlarged by the double exponential of the switch
+    np.testing.assert_allclose(other.stress, one.stress, rtol=1e-12, atol=1e-13)
+    np.testing.assert_array_equal(other.states, random_cells(257).states)
 
 
 def advance_over(ramp: tuple[float, float], duration: float, steps: int) -> Cells:

@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 class Strang(Scheme):
     """Second order, for steps far longer than those of the published scheme.
 
-    The cells advance by RK4, potential, states and stress together; diffusion with all stimuli by the
-    L-stable Runge-Kutta method of two stages. Nothing is extrapolated from earlier steps. A stimulus
+    The cells advance by RK4, potential and states together; diffusion with all stimuli by the
+    L-stable Runge-Kutta method of two stages. The active stress, which acts on neither, follows once per
+    step, with the potential running linearly between the step's ends: half as many exponentials, and
+    closer than inside both half steps, where the potential runs without diffusion. Nothing is extrapolated from earlier steps. A stimulus
     enters as its mean over the step. Diffusion starts from the potential at interior points alone, so
     that edges take new flux data at once.
 
