@@ -36,9 +36,7 @@ class PointCells:
     @classmethod
     def of(cls, patch: Patch) -> PointCells:
         """Cells of the Greville points of a patch."""
-        lengths = FilmLengths.of(patch)
-        x, y = (lengths.along(d, space.greville()) for d, space in enumerate(patch.spaces))
-        return cls(x, y, patch.closed)
+        return cls(*FilmLengths(patch).grid(), patch.closed)
 
     def nowhere(self) -> Array:
         """Zero at every point, shape ``(point,)``."""

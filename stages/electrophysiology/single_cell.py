@@ -12,6 +12,7 @@ import numpy as np
 
 from stages.electrophysiology.cell_config import CellConfig
 from stages.electrophysiology.cell_models.base import equations_of
+from stages.electrophysiology.pulse_train import PulseTrain
 from stages.electrophysiology.reaction import Cells, compile_reaction
 from stages.electrophysiology.tension_laws.base import tension_rate
 from stages.numerics.bsplines import Array
@@ -24,6 +25,11 @@ class Pulse(NamedTuple):
     start: float
     duration: float
     rate: float
+
+    @property
+    def course(self) -> PulseTrain:
+        """When it is on."""
+        return PulseTrain((self.start,), self.duration)
 
 
 class CellState(NamedTuple):
@@ -113,7 +119,9 @@ def follow_as_published(
     if mean:
         applied = mean_rates(pulses, time)
     else:
-        levels = _levels(pulses, time)
+        levels = np.zeros(time.size)
+        for pulse in pulses:
+            levels += pulse.rate * pulse.course.amplitude(time)
         applied = 0.5 * (levels[:-1] + levels[1:])
     trace, cells = _begun(time, rest(config), config)
     constants = config.cell_model.constants(), config.tension_law.constants()
@@ -151,18 +159,9 @@ def mean_rates(pulses: Sequence[Pulse], time: Array) -> Array:
     >>> mean_rates([Pulse(1.0, 2.0, 20.0)], np.array([0.0, 1.5, 2.0, 4.0])).round(12).tolist()
     [6.666666666667, 20.0, 10.0]
     """
-    total = np.zeros(time.size)
+    total = np.zeros(time.size - 1)
     for pulse in pulses:
-        total += pulse.rate * np.clip(time - pulse.start, 0.0, pulse.duration)
-    return np.asarray(np.diff(total) / np.diff(time))
-
-
-def _levels(pulses: Sequence[Pulse], time: Array) -> Array:
-    """Applied rate at each time, with the tolerance of ``n * step`` in floating point."""
-    total = np.zeros(time.size)
-    for pulse in pulses:
-        on = (time > pulse.start + 1e-9) & (time <= pulse.start + pulse.duration + 1e-9)
-        total += pulse.rate * on
+        total += pulse.rate * pulse.course.mean(time[:-1], time[1:])
     return total
 
 

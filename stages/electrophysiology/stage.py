@@ -17,7 +17,7 @@ def electrophysiology(
     import numpy as np
 
     from stages.electrophysiology.frames import FrameKeeper
-    from stages.electrophysiology.fronts import front_velocity
+    from stages.electrophysiology.front_velocity import front_velocity
     from stages.electrophysiology.monodomain import build
     from stages.electrophysiology.recording import BeatRecorder
     from stages.electrophysiology.tissue import UnstableSolutionError

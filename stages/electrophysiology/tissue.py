@@ -107,13 +107,13 @@ class Problem:
     def amplitudes(self, first: int, steps: int) -> Array:
         """Amplitude of each stimulus at levels first .. first + steps, shape ``(steps + 1, stimulus)``."""
         times = np.arange(first, first + steps + 1, dtype=float) * self.step
-        columns = [source.amplitude(times) for source in self.sources]
+        columns = [source.pulses.amplitude(times) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps + 1, 0))
 
     def means(self, first: int, steps: int) -> Array:
         """Mean of each stimulus' factor over each of the steps after ``first``, ``(steps, stimulus)``."""
         times = np.arange(first, first + steps + 1, dtype=float) * self.step
-        columns = [source.mean(times[:-1], times[1:]) for source in self.sources]
+        columns = [source.pulses.mean(times[:-1], times[1:]) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps, 0))
 
     def count(self, state: TissueState, good: int, asked: int) -> None:

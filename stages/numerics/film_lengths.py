@@ -35,17 +35,17 @@ class FilmLengths:
 
     patch: Patch
 
-    @classmethod
-    def of(cls, patch: Patch) -> FilmLengths:
-        """Lengths along the middle lines of a patch."""
-        return cls(patch)
-
     @property
     def size(self) -> tuple[float, float]:
         """Length and width of the film, mm."""
         if self.patch.extent is not None:
             return self.patch.extent
         return self._total(0), self._total(1)
+
+    def grid(self) -> tuple[Array, Array]:
+        """X of the rows of Greville points and Y of the columns, shapes ``(m1,)`` and ``(m2,)``, mm."""
+        first, second = self.patch.spaces
+        return self.along(0, first.greville()), self.along(1, second.greville())
 
     def along(self, direction: int, theta: Array) -> Array:
         """X (direction 0) or Y (direction 1) of parameters of that direction, shape ``(n,)``, mm."""

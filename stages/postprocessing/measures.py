@@ -62,7 +62,7 @@ def take_measures(
     beats = beats_at(cells, events, theta, maps)
     arrivals = beats["activation_times"]
 
-    gates = FilmLengths.of(film).parameters_along(0, np.array(config.velocity_window))
+    gates = FilmLengths(film).parameters_along(0, np.array(config.velocity_window))
     way = np.linspace(gates[0], gates[1], _points_between(cells, gates))
     passing = arrival_times(cells, events, np.column_stack((way, np.full(way.size, theta2))))
     distance = length_between(cells, theta2, gates)

@@ -37,7 +37,7 @@ def axis_parameter(film: Patch, axis: float | str) -> float:
     """Parameter theta2 of the line Y = ``axis`` (mm) along X; ``"middle"``: half the width."""
     if isinstance(axis, str):
         return 0.5
-    return float(FilmLengths.of(film).parameters_along(1, np.array([axis]))[0])
+    return float(FilmLengths(film).parameters_along(1, np.array([axis]))[0])
 
 
 def probe_parameters(film: Patch, points: Array) -> Array:
@@ -60,7 +60,7 @@ def probe_parameters(film: Patch, points: Array) -> Array:
     ValueError
         If a point lies outside the film.
     """
-    return FilmLengths.of(film).parameters(points)
+    return FilmLengths(film).parameters(points)
 
 
 def control_weights(patch: Patch, theta: Array) -> Array:

@@ -33,7 +33,7 @@ def speed(shape: dict[str, Any], elements: int = 51) -> float:
     )
     history = electrophysiology.compute(config, ExcitableSurface(patch))
     times = np.asarray(history.activation_times)[:, 0].reshape(patch.first.size, -1)[:, 1]
-    x = FilmLengths.of(patch).along(0, patch.first.greville())
+    x = FilmLengths(patch).along(0, patch.first.greville())
     passed = np.interp([1.0, 2.5], x[np.isfinite(times)], times[np.isfinite(times)])
     return float(1.5 / (passed[1] - passed[0]))
 

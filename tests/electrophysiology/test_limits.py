@@ -17,6 +17,7 @@ from stages.electrophysiology.limits import decay, excitation
 from stages.electrophysiology.monodomain import build
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
+from tests.cells import cells
 from tests.paper import CELL, electrophysiology_config
 from workflows.request import Request
 
@@ -133,6 +134,14 @@ def test_an_unstable_step_is_refused_with_the_number_that_would_do() -> None:
 def test_going_on_with_an_unstable_step_changes_no_key() -> None:
     plain, allowed = (electrophysiology_config(allow_unstable_step=way) for way in (False, True))
     assert canonical(plain) == canonical(allowed)
+
+
+def test_a_jump_of_the_current_is_no_decay() -> None:
+    """Cells that start where the outward current of the minimal model sets in, as a jump in v."""
+    start = -84.0 + 85.7 * 0.13
+    found = decay(cells("bueno-orovio", "goektepe-kuhl", f"initial_potential={start}"))
+    # 8.7 per ms along the action potential; the jump over 1e-3 mV would be some hundreds
+    assert found.potential == pytest.approx(8.7, rel=0.05)
 
 
 class Bistable(CellModel):

@@ -27,7 +27,7 @@ def test_a_shape_is_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     )
     mesh = MeshConfig(elements=(60, 4), degree=3)
     patch = film_patch(film, mesh)
-    (theta,) = FilmLengths.of(patch).parameters(np.array([(1.75 + 0.9, 0.5)]))
+    (theta,) = FilmLengths(patch).parameters(np.array([(1.75 + 0.9, 0.5)]))
     lowest = patch.evaluate_points(theta[None])
     # cubics over spans of 50 mrad: h^4/24
     np.testing.assert_allclose(

@@ -121,14 +121,14 @@ def test_the_muscle_lies_nine_micrometres_above_the_middle(name: str) -> None:
     gap = cells.evaluate(GRID, GRID) - frame.position
     # exact at the Greville points; between them a tube's spline is off by 9 um times h^4
     np.testing.assert_allclose(np.einsum("px,px->p", gap, frame.normal), 0.009, atol=2e-8)
-    assert FilmLengths.of(cells).size == pytest.approx((LENGTH, WIDTH), rel=1e-14)
+    assert FilmLengths(cells).size == pytest.approx((LENGTH, WIDTH), rel=1e-14)
 
 
 @given(st.floats(1.2, 20.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_x_and_y_are_lengths_along_a_cylinder(radius: float, x: float, y: float) -> None:
     shape = {"name": "cylinder", "radius": radius, "axis": "Y"}
     patch = film_patch(film(shape), MeshConfig(elements=(6, 3), degree=2))
-    theta = FilmLengths.of(patch).parameters(np.array([(x * LENGTH, y * WIDTH)]))
+    theta = FilmLengths(patch).parameters(np.array([(x * LENGTH, y * WIDTH)]))
     turn = x * LENGTH / radius
     exact = (radius * math.sin(turn), y * WIDTH, radius * (1.0 - math.cos(turn)))
     # rounding, and 1 - cos of small angles
@@ -137,7 +137,7 @@ def test_x_and_y_are_lengths_along_a_cylinder(radius: float, x: float, y: float)
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_lengths_and_parameters_are_inverse_to_one_another(name: str) -> None:
-    lengths = FilmLengths.of(patch_of(name))
+    lengths = FilmLengths(patch_of(name))
     for direction, size in enumerate((LENGTH, WIDTH)):
         wanted = np.linspace(0.0, size, 23)
         theta = lengths.parameters_along(direction, wanted)
@@ -225,7 +225,7 @@ def test_a_surface_through_points_of_a_cylinder_is_near_to_it(name: str) -> None
     lines = np.linspace(0.0, 3.5, 9), np.linspace(0.0, 2.0, 9)
     places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
     found, wanted = (
-        patch.evaluate_points(FilmLengths.of(patch).parameters(places)) for patch in (free, exact)
+        patch.evaluate_points(FilmLengths(patch).parameters(places)) for patch in (free, exact)
     )
     # cubics through 14 points over a turn of 2.5: (0.2)^4/24 or so
     assert np.abs(found - wanted).max() < 2e-4

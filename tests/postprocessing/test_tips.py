@@ -131,6 +131,15 @@ def test_a_tip_that_is_gone_for_a_while_is_another_one() -> None:
     assert set(tips.number) == {1.0, 2.0}
 
 
+def test_a_tip_that_swings_back_ends_its_turn_once() -> None:
+    """Two turns of 100 ms; just after the first the heading falls back below 360 degrees and returns."""
+    heading = np.array([0.0, 90, 180, 270, 350, 370, 345, 355, 400, 540, 640, 720])
+    time = np.array([0.0, 25, 50, 75, 95, 105, 110, 115, 120, 150, 180, 200])
+    ones = np.ones(time.size)
+    tips = TipPaths(time, ones, np.zeros((time.size, 3)), ones, heading)
+    np.testing.assert_allclose(turn_times(tips), 100.0, rtol=1e-12)
+
+
 def test_nothing_looked_for_is_nothing_found() -> None:
     tips = no_tips()
     assert tips.time.shape == tips.heading.shape == (0,)

@@ -34,7 +34,7 @@ class FilmGrid:
 
         Across, their number is even: the mid-axis, on which the probes are, is a line of the grid.
         """
-        length, width = FilmLengths.of(experiment.geometry.mid_surface.patch).size
+        length, width = FilmLengths(experiment.geometry.mid_surface.patch).size
         across = max(2 * round(quads_along * width / length / 2), 2)
         return cls(experiment, (quads_along + 1, across + 1))
 

@@ -36,8 +36,7 @@ ARROWS = 11
 def write(experiment: Experiment, folder: Path) -> None:
     """Write ``activation_maps.png`` and ``activation_maps.svg``: a row per beat."""
     patch, history = experiment.geometry.excitable_surface.patch, experiment.history
-    lengths = FilmLengths.of(patch)
-    grid = [lengths.along(k, space.greville()) for k, space in enumerate(patch.spaces)]
+    grid = FilmLengths(patch).grid()
     shape = (patch.first.size, patch.second.size)
     times = np.asarray(history.activation_times).reshape(*shape, -1)
     beats = [b for b in range(times.shape[2]) if np.isfinite(times[..., b]).mean() >= FEWEST][:MOST]
@@ -68,7 +67,7 @@ def write(experiment: Experiment, folder: Path) -> None:
         save(figure, folder, "activation_maps")
 
 
-def _draw_arrivals(figure: Figure, axes: Axes, grid: list[Array], times: Array) -> None:
+def _draw_arrivals(figure: Figure, axes: Axes, grid: tuple[Array, Array], times: Array) -> None:
     """Colours and lines of equal activation time; no line where two waves adjoin."""
     scale = _scale(times)
     picture = axes.pcolormesh(*grid, times.T, norm=scale, cmap=COLOURS, rasterized=True)
@@ -92,7 +91,7 @@ def _beside_a_jump(times: Array) -> Any:
     return beside
 
 
-def _draw_arrows(axes: Axes, grid: list[Array], velocity: Array) -> None:
+def _draw_arrows(axes: Axes, grid: tuple[Array, Array], velocity: Array) -> None:
     """Velocities at a few points, all on one scale of speed."""
     length, width = grid[0][-1], grid[1][-1]
     at = [

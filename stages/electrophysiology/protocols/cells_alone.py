@@ -12,8 +12,8 @@ from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
 from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.monodomain import rest
+from stages.electrophysiology.pulse_train import PulseTrain, train_of
 from stages.electrophysiology.reaction import compile_reaction
-from stages.electrophysiology.sources import Source
 from stages.electrophysiology.stimuli.uniform_current import UniformCurrent
 from stages.electrophysiology.tissue import TissueState, count_steps
 from stages.numerics.bsplines import Array
@@ -40,13 +40,12 @@ class CellStepper:
 
     def __init__(self, config: ElectrophysiologyConfig) -> None:
         self._step = config.step
-        self._sources: list[tuple[float, Source]] = []
+        self._sources: list[tuple[float, PulseTrain]] = []
         for stimulus in config.stimuli:
             if not isinstance(stimulus, UniformCurrent):
                 raise ValueError(f"a cell takes a uniform-current, not {stimulus.kind}")
-            nothing = np.zeros(1)
-            course = Source(nothing, nothing, stimulus.starts, stimulus.duration, stimulus.time_law)
-            self._sources.append((stimulus.current / config.membrane_capacitance, course))
+            strength = stimulus.current / config.membrane_capacitance
+            self._sources.append((strength, train_of(stimulus)))
         reaction = compile_reaction(config.cell_model, config.tension_law)
         self._block = _compile(reaction.react)
         self._constants = (config.cell_model.constants(), config.tension_law.constants())
@@ -59,8 +58,8 @@ class CellStepper:
         """Take ``steps`` steps in place, and let ``beats`` note what happens in each of them."""
         times = self._step * np.arange(state.steps, state.steps + steps + 1, dtype=float)
         applied = np.zeros((steps, state.potential.size))
-        for strength, source in self._sources:
-            applied += strength * source.mean(times[:-1], times[1:])[:, None]
+        for strength, pulses in self._sources:
+            applied += strength * pulses.mean(times[:-1], times[1:])[:, None]
         good = self._block(state.cells(), beats, applied, state.steps, self._step, *self._constants)
         count_steps(state, good, steps, self._step, None)
 

@@ -47,7 +47,7 @@ class Gauge:
         ValueError
             If the window holds fewer than two of them.
         """
-        x, y = grid(patch)
+        x, y = FilmLengths(patch).grid()
         line = np.arange(x.size, dtype=np.int64) * y.size + y.size // 2
         inside = (x >= window[0]) & (x <= window[1])
         if inside.sum() < 2:
@@ -61,16 +61,7 @@ class Gauge:
 
 def nearest_points(patch: Patch, places: Sequence[tuple[float, float]]) -> Points:
     """Number of the collocation point next to each place (X, Y) in mm."""
-    x, y = grid(patch)
+    x, y = FilmLengths(patch).grid()
     rows = [int(np.argmin(np.abs(x - place[0]))) for place in places]
     columns = [int(np.argmin(np.abs(y - place[1]))) for place in places]
     return np.array(rows, dtype=np.int64) * y.size + np.array(columns, dtype=np.int64)
-
-
-def grid(patch: Patch) -> tuple[Array, Array]:
-    """X of the rows of collocation points and Y of the columns, mm."""
-    lengths = FilmLengths.of(patch)
-    first, second = (
-        lengths.along(direction, space.greville()) for direction, space in enumerate(patch.spaces)
-    )
-    return first, second

@@ -20,7 +20,7 @@ def functions_over(patch: Patch, position: tuple[float, float]) -> Array:
     ValueError
         If (X, Y) lies outside the film.
     """
-    (theta,) = FilmLengths.of(patch).parameters(np.array([position]))
+    (theta,) = FilmLengths(patch).parameters(np.array([position]))
     return functions_at(patch, (float(theta[0]), float(theta[1])))
 
 

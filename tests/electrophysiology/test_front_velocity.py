@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stages.electrophysiology.fronts import front_velocity
+from stages.electrophysiology.front_velocity import front_velocity
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
 from tests.problems import observed_orders, parabolic_sheet, sheet_arc_length, skewed_square
