@@ -22,13 +22,16 @@ from stages.electrophysiology.tissue import TissueState, UnstableSolutionError
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.collocation import collocate
 from stages.numerics.patches import Patch
+from stages.time_laws.table import Table
 from tests.paper import electrophysiology_config
 from tests.problems import observed_orders, parabolic_sheet
 
 SCHEMES = ("cn-ab2", "strang")
+SWINGING = Table(time=(0.0, 1.0, 2.0, 4.0), factor=(0.5, -1.0, 0.0, 1.0))
 ALL_STIMULI = (  # weak ones: coarse meshes undershoot to where w of Aliev-Panfilov is singular, -110 mV
     EdgeFlux(edge="X=0", start=0.0, duration=5.0, flux=0.6),
     EdgeFlux(edge="Y=L2", start=1.03, duration=3.0, flux=-0.5),
+    EdgeFlux(edge="X=L1", start=0.2, duration=4.0, flux=0.4, time_law=SWINGING),
     PatchCurrent(
         kind="patch-current", x=(1.0, 2.5), y=(0.5, 1.2), start=0.5, duration=2.0, current=20.0
     ),
@@ -151,6 +154,18 @@ def test_a_flux_between_time_levels_costs_the_splitting_no_order() -> None:
     # 5 ms after the jump the boundary layer of the splitting has gone: at least 3.4 per halving
     assert observed_orders(np.array(errors["strang"]))[-1] > 1.75
     assert errors["strang"][0] < 0.2 * errors["cn-ab2"][0]
+
+
+@pytest.mark.parametrize("general", [False, True])
+def test_the_splitting_divides_steps_that_are_too_long_for_the_cells(general: bool) -> None:
+    """8 ms: 8 decay times of the stress and 2 of the potential in half a step, where RK4 would explode."""
+    config = electrophysiology_config(scheme="strang", n_steps=50, duration=400.0)
+    stepper, state = build(config, film((24, 4)), general)
+    for _ in range(50):
+        stepper.advance(state, 1)
+        assert -90.0 < state.potential.min() <= state.potential.max() < 40.0
+        assert -1.0 < state.active_stress.min() <= state.active_stress.max() < 13.0
+    assert state.active_stress.max() > 1.0
 
 
 @pytest.mark.parametrize("after", [2, 7])

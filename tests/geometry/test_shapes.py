@@ -18,6 +18,7 @@ from pipeline.canonical import canonical
 from stages.geometry.bending import ring
 from stages.geometry.config import FilmConfig, MeshConfig
 from stages.geometry.films import active_mid_surface, film_patch
+from stages.geometry.free_surface import FreeSurface
 from stages.numerics.bsplines import Array
 from stages.numerics.film_lengths import FilmLengths
 from stages.numerics.patches import Patch
@@ -121,7 +122,11 @@ def test_the_muscle_lies_nine_micrometres_above_the_middle(name: str) -> None:
     gap = cells.evaluate(GRID, GRID) - frame.position
     # exact at the Greville points; between them a tube's spline is off by 9 um times h^4
     np.testing.assert_allclose(np.einsum("px,px->p", gap, frame.normal), 0.009, atol=2e-8)
-    assert FilmLengths(cells).size == pytest.approx((LENGTH, WIDTH), rel=1e-14)
+    film_lengths, cell_lengths = (FilmLengths(p) for p in (patch_of(name, mesh), cells))
+    assert cell_lengths.size == pytest.approx((LENGTH, WIDTH), rel=1e-14)
+    for along, wanted in zip(cell_lengths.grid(), film_lengths.grid(), strict=True):
+        # X and Y of the film: 9 um over radii above 0.3 mm would show; splines of tubes err by h^4
+        np.testing.assert_allclose(along, wanted, rtol=0, atol=1e-6)
 
 
 @given(st.floats(1.2, 20.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
@@ -229,6 +234,12 @@ def test_a_surface_through_points_of_a_cylinder_is_near_to_it(name: str) -> None
     )
     # cubics through 14 points over a turn of 2.5: (0.2)^4/24 or so
     assert np.abs(found - wanted).max() < 2e-4
+
+
+@pytest.mark.parametrize(("name", "radius"), [("scroll", 1.4), ("gutter", 0.8)])
+def test_a_surface_through_points_knows_its_smallest_radius(name: str, radius: float) -> None:
+    # cubics through 9 and 14 uneven points; their second derivatives are off by h^2 at the ends
+    assert FreeSurface.through(points_of(name)).smallest_radius() == pytest.approx(radius, rel=0.1)
 
 
 def write_points(path: Path, points: tuple[tuple[Any, ...], ...]) -> None:

@@ -48,6 +48,15 @@ def test_where_two_fronts_meet_times_stay_between_those_of_the_neighbours() -> N
     assert np.abs(found - exact).max() < 0.5 * 0.25 / 0.02 * 1.25
 
 
+def test_beside_a_line_where_a_wave_waits_times_are_those_of_their_own_side() -> None:
+    """It waits 200 ms at 1.75 mm; cubics across that line would be off by 200/16 ms in the next span."""
+    times = PLACES[:, [0]] / 0.02 + 200.0 * (PLACES[:, [0]] > 1.75)
+    path = np.column_stack((np.linspace(0.25, 0.4, 61), np.full(61, 0.41)))
+    found = arrival_times(SURFACE, times, path)[:, 0]
+    # a quarter of the 12.5 ms for a span is what a cubic may depart by
+    np.testing.assert_allclose(found, 3.5 * path[:, 0] / 0.02, rtol=0, atol=3.2)
+
+
 def test_a_wave_that_a_neighbour_missed_is_not_mixed_with_the_next_one() -> None:
     """Left of 1.2 mm three waves pass, right of it the second is blocked: columns no longer agree."""
     first, third = PLACES[:, 0] / 0.02, 900.0 + PLACES[:, 0] / 0.02
