@@ -42,7 +42,7 @@ class Reaction(NamedTuple):
         ``applied`` in mV/ms, shape ``(point,)``, constant over the step. ``cells.ionic`` stays
         as it is.
     excite
-        ``excite(cells, step, substeps, cell)``: the same for potential and states alone, nothing applied.
+        The same for potential and states alone.
     contract
         ``contract(cells, before, step, substeps, tension)``: the stress alone over ``step`` ms in
         ``substeps`` equal parts, the potential running linearly from ``before`` to
@@ -67,6 +67,10 @@ def compile_reaction(cell_model: CellModel, tension_law: TensionLaw) -> Reaction
         law.relaxation if tension_law.linear else law.tension_rate,
         tension_law.linear,
     )
+
+
+Stress = tuple[Callable[..., Any], Callable[..., float]]
+"""What a potential means for the stress (evaluated once per potential), and the rate that follows."""
 
 
 @functools.cache
@@ -105,6 +109,42 @@ def _compile(
             v_old[i] = v1
 
     @kernel
+    def contract(cells: Any, before: Any, step: float, substeps: int, tension: Any) -> None:
+        potential, stress = cells.potential, cells.stress
+        h, part = step / substeps, 1.0 / substeps
+        half = 0.5 * h
+        for k in range(substeps):
+            for i in range(potential.size):
+                y0, change = stress[i], part * (potential[i] - before[i])
+                v0 = before[i] + k * change
+                c0 = prepared(v0, tension)
+                cm = prepared(v0 + 0.5 * change, tension)
+                c1 = prepared(v0 + change, tension)
+                ky1 = stress_rate(c0, y0, tension)
+                ky2 = stress_rate(cm, y0 + half * ky1, tension)
+                ky3 = stress_rate(cm, y0 + half * ky2, tension)
+                ky4 = stress_rate(c1, y0 + h * ky3, tension)
+                stress[i] = y0 + h / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
+
+    return Reaction(
+        advance,
+        _reacting(ionic_current, state_rates, variables, (prepared, stress_rate)),
+        _reacting(ionic_current, state_rates, variables, NO_STRESS),
+        contract,
+    )
+
+
+def _reacting(
+    ionic_current: Callable[..., float],
+    state_rates: Callable[..., tuple[float, ...]],
+    variables: int,
+    of_stress: Stress,
+) -> Callable[..., None]:
+    """Runge-Kutta 4 for potential, states and stress together."""
+    load, store, moved, weighted = tuple_functions(variables)
+    prepared, stress_rate = of_stress
+
+    @kernel
     def react(
         cells: Any, applied: Any, step: float, substeps: int, cell: Any, tension: Any
     ) -> None:
@@ -134,47 +174,7 @@ def _compile(
                 store(states, i, weighted(s0, h, ks1, ks2, ks3, ks4))
                 stress[i] = y0 + h / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
 
-    @kernel
-    def excite(cells: Any, step: float, substeps: int, cell: Any) -> None:
-        potential, states = cells.potential, cells.states
-        h = step / substeps
-        half = 0.5 * h
-        for _ in range(substeps):
-            for i in range(potential.size):
-                v0, s0 = potential[i], load(states, i)
-                kv1, ks1 = -ionic_current(v0, s0, cell), state_rates(v0, s0, cell)
-                v, s = v0 + half * kv1, moved(s0, half, ks1)
-                kv2, ks2 = -ionic_current(v, s, cell), state_rates(v, s, cell)
-                v, s = v0 + half * kv2, moved(s0, half, ks2)
-                kv3, ks3 = -ionic_current(v, s, cell), state_rates(v, s, cell)
-                v, s = v0 + h * kv3, moved(s0, h, ks3)
-                kv4, ks4 = -ionic_current(v, s, cell), state_rates(v, s, cell)
-                potential[i] = v0 + h / 6.0 * (kv1 + 2.0 * (kv2 + kv3) + kv4)
-                store(states, i, weighted(s0, h, ks1, ks2, ks3, ks4))
-
-    @kernel
-    def contract(cells: Any, before: Any, step: float, substeps: int, tension: Any) -> None:
-        potential, stress = cells.potential, cells.stress
-        h, part = step / substeps, 1.0 / substeps
-        half = 0.5 * h
-        for k in range(substeps):
-            for i in range(potential.size):
-                y0, change = stress[i], part * (potential[i] - before[i])
-                v0 = before[i] + k * change
-                c0 = prepared(v0, tension)
-                cm = prepared(v0 + 0.5 * change, tension)
-                c1 = prepared(v0 + change, tension)
-                ky1 = stress_rate(c0, y0, tension)
-                ky2 = stress_rate(cm, y0 + half * ky1, tension)
-                ky3 = stress_rate(cm, y0 + half * ky2, tension)
-                ky4 = stress_rate(c1, y0 + h * ky3, tension)
-                stress[i] = y0 + h / 6.0 * (ky1 + 2.0 * (ky2 + ky3) + ky4)
-
-    return Reaction(advance, react, excite, contract)
-
-
-Stress = tuple[Callable[..., Any], Callable[..., float]]
-"""What a potential means for the stress (evaluated once per potential), and the rate that follows."""
+    return react
 
 
 def _linear_stress(law: Callable[..., Any]) -> Stress:
@@ -197,3 +197,17 @@ def _any_stress(law: Callable[..., Any]) -> Stress:
         return v
 
     return potential_itself, inlined(law, True)
+
+
+@inlined
+def _nothing(v: float, tension: Any) -> float:
+    return 0.0
+
+
+@inlined
+def _still(nothing: float, sigma: float, tension: Any) -> float:
+    return 0.0
+
+
+NO_STRESS: Stress = (_nothing, _still)
+"""Leaves the stress as it is; what is multiplied by zero here costs nothing."""

@@ -55,13 +55,13 @@ class GeneralSplitting:
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
             start, before = state.steps * step, state.potential.copy()
-            reaction.excite(cells, 0.5 * step, self.parts.excitation, cell)
+            reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
             new = diffusion(state.potential, nothing, nothing)
             for mean, response in zip(means[k], diffusion.responses, strict=True):
                 if mean:
                     new += mean * response
             state.potential[:] = new
-            reaction.excite(cells, 0.5 * step, self.parts.excitation, cell)
+            reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
             reaction.contract(cells, before, step, self.parts.contraction, tension)
             problem.count(state, 0 if any_bad(cells) else 1, 1)
             watch(beats, state.potential, start, step)
@@ -140,7 +140,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         m1, m2 = to1.shape[0], to2.shape[1]
         potential, half_step = cells.potential, 0.5 * step
         grid = potential.reshape((m1, m2))
-        before = np.empty_like(potential)
+        before, nothing = np.empty_like(potential), np.zeros(potential.size)
         half = np.empty((from1.shape[0], m2))
         modes = np.empty((from1.shape[0], from2.shape[1]))
         damped = np.empty_like(modes)
@@ -148,7 +148,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         asked = means.shape[0]
         for k in range(asked):
             before[:] = potential
-            excite(cells, half_step, parts.excitation, cell)
+            excite(cells, nothing, half_step, parts.excitation, cell, tension)
             np.dot(from1, grid, half)
             np.dot(half, from2, modes)
             multiply(damp, modes, damped)
@@ -158,7 +158,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
                 if means[k, s] != 0.0:
                     for i in range(potential.size):
                         potential[i] += means[k, s] * responses[s, i]
-            excite(cells, half_step, parts.excitation, cell)
+            excite(cells, nothing, half_step, parts.excitation, cell, tension)
             contract(cells, before, step, parts.contraction, tension)
             if any_bad(cells):
                 return k

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from pipeline.testing import MemoryRun, interrupted_and_resumed
+from pipeline.testing import MemoryRun, Stopped
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.monodomain import build
 from stages.electrophysiology.protocols.branches import Stimuli, TissueRun, Trunk
@@ -177,8 +178,28 @@ def test_a_wave_on_a_strip_is_slower_after_a_shorter_rest() -> None:
     assert 0.012 < speed[1] < speed[2] < 0.01743
 
 
-def test_a_stopped_restitution_goes_on_as_if_nothing_had_happened(cell: Restitution) -> None:
-    resumed = interrupted_and_resumed(restitution, pacing(), after=0)  # there are no frames
+class StopsAfterCase(MemoryRun):
+    """A run that is stopped at the checkpoint after a number of cases."""
+
+    def __init__(self, cases: int) -> None:
+        super().__init__()
+        self._cases = cases
+
+    def checkpoint(self, state: Callable[[], Mapping[str, Any]]) -> None:
+        self._cases -= 1
+        if not self._cases:
+            self._stop_after = 0
+        super().checkpoint(state)
+
+
+@pytest.mark.parametrize("case", [1, 3, 6], ids=["first", "last given", "bisected"])
+def test_a_stopped_restitution_goes_on_as_if_nothing_had_happened(
+    cell: Restitution, case: int
+) -> None:
+    run = StopsAfterCase(case)
+    with pytest.raises(Stopped):
+        restitution.compute(pacing(), run=run)
+    resumed = restitution.compute(pacing(), run=run)
     for name in vars(cell.s2):
         np.testing.assert_array_equal(getattr(resumed.s2, name), getattr(cell.s2, name))
         np.testing.assert_array_equal(getattr(resumed.steady, name), getattr(cell.steady, name))
@@ -233,6 +254,23 @@ def test_a_wave_across_a_tail_dies_or_passes_or_comes_round_again() -> None:
     assert found.reactivated_share[1] > 0.5
     assert found.reactivated_share[2] == 0.0
     assert found.activated_share[2] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_stopped_sweep_goes_on_as_if_nothing_had_happened() -> None:
+    """With bisection, stopped in the midst of it; in steps of 1 ms."""
+    tissue = electrophysiology_config(
+        elements=(28, 16), degree=4, n_steps=800, duration=800.0, scheme="strang", stimuli=(S1, S3)
+    )
+    config = sweep(tolerance=60.0).model_copy(update={"tissue": tissue})
+    film = ExcitableSurface(Patch.rectangle(3.5, 2.0).refine(4, (28, 16)))
+    whole = vulnerable_window.compute(config, film)
+    assert whole.time.size > 4
+    run = StopsAfterCase(4)
+    with pytest.raises(Stopped):
+        vulnerable_window.compute(config, film, run=run)
+    resumed = vulnerable_window.compute(config, film, run=run)
+    for name in set(vars(whole)) - {"probe_names"}:
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
 
 
 def test_what_s1_would_have_activated_anyway_does_not_count() -> None:

@@ -95,7 +95,7 @@ def test_react_equals_its_plain_twin() -> None:
 def test_excite_moves_potential_and_states_as_react_does_and_no_stress() -> None:
     one, other = random_cells(257), random_cells(257)
     REACT(one, np.zeros(257), 0.3, 3, *CONSTANTS)
-    EXCITE(other, 0.3, 3, CONSTANTS[0])
+    EXCITE(other, np.zeros(257), 0.3, 3, *CONSTANTS)
     # the same operations up to fused multiply-add, enlarged by the steep current
     np.testing.assert_allclose(other.potential, one.potential, rtol=1e-13, atol=1e-12)
     np.testing.assert_allclose(other.states, one.states, rtol=1e-13, atol=1e-13)

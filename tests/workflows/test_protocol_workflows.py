@@ -4,11 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +16,6 @@ from stages.paced_artefacts import PacedBeats
 from tests.workflows.conftest import invoke
 from workflows.request import Request
 from workflows.restitution import largest_slope, shortest_interval
-
-ROOT = Path(__file__).parents[2]
 
 RESTITUTION = (
     "electrophysiology.n_steps=6000",
@@ -96,27 +89,6 @@ def test_the_window_is_found_and_drawn(tmp_path: Path) -> None:
     assert rows[0][-1] == "C.activations"
     assert len(rows) == 1 + len(value["time"])
     assert (tmp_path / "out" / "vulnerable-window.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_killed_sweep_goes_on_and_ends_the_same(tmp_path: Path) -> None:
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    assert invoke(*line("vulnerable-window", whole, *WINDOW)).exit_code == 0
-    arguments = line("vulnerable-window", killed, *WINDOW)
-    command = [sys.executable, "-m", "workflows.cli", *arguments]
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
-    assert process.stdout is not None
-    for told in process.stdout:
-        if told.startswith("vulnerable_window: started"):
-            break
-    time.sleep(1.0)
-    process.send_signal(signal.SIGINT)  # it stops at the next checkpoint, after a case
-    process.communicate()
-    assert invoke(*arguments).exit_code == 0
-    first, second = (summary(folder)["quantities"] for folder in (whole, killed))
-    assert first == second
 
 
 @pytest.mark.parametrize(

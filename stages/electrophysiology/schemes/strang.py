@@ -18,9 +18,9 @@ class Strang(Scheme):
     The cells advance by RK4, potential and states together; diffusion with all stimuli by the
     L-stable Runge-Kutta method of two stages. The active stress, which acts on neither, follows once per
     step, with the potential running linearly between the step's ends: half as many exponentials, and
-    closer than inside both half steps, where the potential runs without diffusion. Nothing is extrapolated from earlier steps. A stimulus
-    enters as its mean over the step. Diffusion starts from the potential at interior points alone, so
-    that edges take new flux data at once.
+    closer than inside both half steps, where the potential runs without diffusion. Nothing is
+    extrapolated from earlier steps. A stimulus enters as its mean over the step. Diffusion starts from the
+    potential at interior points alone, so that edges take new flux data at once.
 
     References
     ----------
