@@ -6,6 +6,7 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from stages.electrophysiology.stimuli.base import TOLERANCE, Stimulus
@@ -46,6 +47,13 @@ class PulseTrain:
         factor = np.zeros(on.shape)
         factor[on] = [self.time_law.at(float(t)) for t in (times - begun)[on]]
         return factor
+
+    def acts(self, t0: Array, t1: Array) -> NDArray[np.bool_]:
+        """Whether a pulse is on at some time between each ``t0`` and ``t1``, with the same tolerance."""
+        starts = np.array(self.starts)
+        last = np.searchsorted(starts, np.asarray(t1) - TOLERANCE, side="left") - 1
+        begun = starts[np.maximum(last, 0)]
+        return np.asarray((last >= 0) & (begun + self.duration > t0 + TOLERANCE))
 
     def mean(self, t0: Array, t1: Array) -> Array:
         """Mean of the factor over each step from ``t0`` to ``t1``: for plain pulses the part of it that is on.

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stages.electrophysiology.edge_values import EdgeValues, close_edges, end_rows
 from stages.electrophysiology.events import UNWATCHED, Watch, watch
 from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.l_stable import LStableDiffusion, amplification
 from stages.electrophysiology.modes import Factors, Modes, factors, multiply
 from stages.electrophysiology.tissue import Problem, TissueState
 from stages.numerics.bsplines import Array
-from stages.numerics.compiled import kernel
+from stages.numerics.compiled import inlined, kernel
 
 REACH = 1.0
 """Decay times that one step of RK4 may take: it is stable up to 2.785, and accurate well below."""
@@ -38,8 +39,10 @@ def parts(problem: Problem) -> Parts:
 class GeneralSplitting:
     """Steps on any patch, curved or skewed."""
 
-    def __init__(self, problem: Problem, diffusion: LStableDiffusion) -> None:
-        self.problem, self.diffusion = problem, diffusion
+    def __init__(
+        self, problem: Problem, diffusion: LStableDiffusion, edges: EdgeValues | None = None
+    ) -> None:
+        self.problem, self.diffusion, self.edges = problem, diffusion, edges
         self.parts = parts(problem)
 
     def diffusion_state(self, potential: Array) -> Array:
@@ -51,10 +54,15 @@ class GeneralSplitting:
         problem, diffusion = self.problem, self.diffusion
         step, cells, reaction = problem.step, state.cells(), problem.reaction
         cell, tension = problem.constants
-        means = problem.means(state.steps, steps)
+        means, ends = problem.means(state.steps, steps), problem.amplitudes(state.steps, steps)[1:]
+        driven = problem.driven(state.steps, steps)
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
-            start, before = state.steps * step, state.potential.copy()
+            start = state.steps * step
+            if self.edges and driven[k]:
+                self.edges.close(state.potential)
+                state.potential += means[k] @ self.edges.lifts
+            before = state.potential.copy()
             reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
             new = diffusion(state.potential, nothing, nothing)
             for mean, response in zip(means[k], diffusion.responses, strict=True):
@@ -62,13 +70,21 @@ class GeneralSplitting:
                     new += mean * response
             state.potential[:] = new
             reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
+            if self.edges and driven[k]:
+                self.edges.close(state.potential)
+                state.potential += means[k] @ self.edges.lifts
             reaction.contract(cells, before, step, self.parts.contraction, tension)
+            if self.edges and driven[k]:
+                state.potential += (ends[k] - means[k]) @ self.edges.lifts
             problem.count(state, 0 if any_bad(cells) else 1, 1)
             watch(beats, state.potential, start, step)
 
 
 class System(NamedTuple):
-    """Matrices of the compiled loop, C-contiguous; see ``Modes`` and :class:`LStableDiffusion`."""
+    """Matrices of the compiled loop, C-contiguous.
+
+    See ``Modes``, :class:`LStableDiffusion` and :mod:`~stages.electrophysiology.edge_values`.
+    """
 
     to1: Array
     to2: Array
@@ -76,13 +92,20 @@ class System(NamedTuple):
     from2: Array
     damp: Factors
     responses: Array
+    ends1: Array
+    ends2: Array
+    lifts: Array
 
 
 class SeparableSplitting:
     """Steps on a flat film or any patch with orthogonal, constant metric: blocks of steps in one call."""
 
     def __init__(
-        self, problem: Problem, diffusion: LStableDiffusion, modes: tuple[Modes, Modes]
+        self,
+        problem: Problem,
+        diffusion: LStableDiffusion,
+        modes: tuple[Modes, Modes],
+        edges: EdgeValues | None,
     ) -> None:
         self.problem, self.parts = problem, parts(problem)
         first, second = modes
@@ -95,6 +118,9 @@ class SeparableSplitting:
             np.ascontiguousarray(second.from_points.T),
             factors(first, second, amplification, diffusion.tau),
             diffusion.responses,
+            end_rows(first),
+            end_rows(second),
+            edges.lifts if edges else np.zeros_like(diffusion.responses),
         )
 
     def diffusion_state(self, potential: Array) -> Array:
@@ -108,6 +134,8 @@ class SeparableSplitting:
             state.cells(),
             self.system,
             problem.means(state.steps, steps),
+            problem.amplitudes(state.steps, steps),
+            problem.driven(state.steps, steps),
             state.steps,
             problem.step,
             self.parts,
@@ -115,6 +143,15 @@ class SeparableSplitting:
             *problem.constants,
         )
         problem.count(state, good, steps)
+
+
+@inlined
+def add(potential: Any, factors: Any, patterns: Any) -> None:
+    """Add patterns of shape ``(stimulus, point)`` to the potential, each times its factor."""
+    for s in range(factors.size):
+        if factors[s] != 0.0:
+            for i in range(potential.size):
+                potential[i] += factors[s] * patterns[s, i]
 
 
 @functools.cache
@@ -129,6 +166,8 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         cells: Any,
         system: Any,
         means: Any,
+        on: Any,
+        driven: Any,
         first_step: int,
         step: float,
         parts: Any,
@@ -136,7 +175,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         cell: Any,
         tension: Any,
     ) -> int:
-        to1, to2, from1, from2, damp, responses = system
+        to1, to2, from1, from2, damp, responses, ends1, ends2, lifts = system
         m1, m2 = to1.shape[0], to2.shape[1]
         potential, half_step = cells.potential, 0.5 * step
         grid = potential.reshape((m1, m2))
@@ -147,6 +186,9 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         wide = np.empty((m1, to2.shape[0]))
         asked = means.shape[0]
         for k in range(asked):
+            if driven[k]:
+                close_edges(grid, ends1, ends2)
+                add(potential, means[k], lifts)
             before[:] = potential
             excite(cells, nothing, half_step, parts.excitation, cell, tension)
             np.dot(from1, grid, half)
@@ -154,12 +196,14 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
             multiply(damp, modes, damped)
             np.dot(to1, damped, wide)
             np.dot(wide, to2, grid)
-            for s in range(means.shape[1]):
-                if means[k, s] != 0.0:
-                    for i in range(potential.size):
-                        potential[i] += means[k, s] * responses[s, i]
+            add(potential, means[k], responses)
             excite(cells, nothing, half_step, parts.excitation, cell, tension)
+            if driven[k]:
+                close_edges(grid, ends1, ends2)
+                add(potential, means[k], lifts)
             contract(cells, before, step, parts.contraction, tension)
+            if driven[k]:
+                add(potential, on[k + 1] - means[k], lifts)
             if any_bad(cells):
                 return k
             watch(beats, potential, (first_step + k) * step, step)

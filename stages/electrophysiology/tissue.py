@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.electrophysiology.events import UNWATCHED, Watch
 from stages.electrophysiology.guard import first_bad
@@ -115,6 +116,13 @@ class Problem:
         times = np.arange(first, first + steps + 1, dtype=float) * self.step
         columns = [source.pulses.mean(times[:-1], times[1:]) for source in self.sources]
         return np.stack(columns, axis=1) if columns else np.zeros((steps, 0))
+
+    def driven(self, first: int, steps: int) -> NDArray[np.bool_]:
+        """Whether a flux through an edge acts in each of the steps after ``first``, or did in the one before."""
+        times = np.arange(first - 1, first + steps + 1, dtype=float) * self.step
+        fluxes = (source for source in self.sources if source.boundary.any())
+        nowhere = np.zeros(steps, dtype=bool)
+        return sum((source.pulses.acts(times[:-2], times[2:]) for source in fluxes), nowhere)
 
     def count(self, state: TissueState, good: int, asked: int) -> None:
         """:func:`count_steps` with the step and the points of the problem."""

@@ -185,6 +185,17 @@ def test_a_time_law_runs_from_the_beginning_of_its_pulse(law: TimeLaw, integral:
     assert at == pytest.approx([0.0, law.at(2.5), law.at(2.5), 0.0])
 
 
+def test_a_pulse_acts_in_the_steps_that_it_has_a_part_of() -> None:
+    """Nowhere before the first pulse, and not in a step that only touches one, up to rounding."""
+    train = pulses(starts=(1.0, 6.0, 21.0))
+    for step in (0.02, 0.1, 0.7, 3.0, 8.0):
+        edges = np.arange(-2, round(40.0 / step)) * step
+        before, after = edges[:-1], edges[1:]
+        np.testing.assert_array_equal(
+            train.acts(before, after), train.mean(before, after) > 0.0, strict=True
+        )
+
+
 def test_a_train_is_its_pulses_and_a_constant_course_is_none() -> None:
     one = EdgeFlux(edge="X=0", extent=(0.3, 1.1), flux=2.0, start=1.0, duration=2.0)
     law = Table(time=(0.0, 2.0), factor=(1.0, 1.0))

@@ -20,7 +20,8 @@ class Strang(Scheme):
     step, with the potential running linearly between the step's ends: half as many exponentials, and
     closer than inside both half steps, where the potential runs without diffusion. Nothing is
     extrapolated from earlier steps. A stimulus enters as its mean over the step. Diffusion starts from the
-    potential at interior points alone, so that edges take new flux data at once.
+    potential at interior points alone, so that edges take new flux data at once; while a flux acts, it is
+    put on them again at the end of the step.
 
     References
     ----------
@@ -35,15 +36,17 @@ class Strang(Scheme):
         self, problem: Problem, patch: Patch, operators: CollocationOperators, general: bool
     ) -> Stepper:
         """Stepper of the splitting."""
+        from stages.electrophysiology.edge_values import edge_values
         from stages.electrophysiology.l_stable import l_stable_diffusion
         from stages.electrophysiology.separable import separable_modes
         from stages.electrophysiology.splitting import GeneralSplitting, SeparableSplitting
 
         diffusion = l_stable_diffusion(problem, operators)
+        edges = edge_values(problem, operators)
         modes = None if general else separable_modes(patch, operators)
         if modes is not None:
-            return SeparableSplitting(problem, diffusion, modes)
-        return GeneralSplitting(problem, diffusion)
+            return SeparableSplitting(problem, diffusion, modes, edges)
+        return GeneralSplitting(problem, diffusion, edges)
 
 
 MODEL = Strang
