@@ -92,8 +92,9 @@ def _geometry(patch: Patch, windows: NDArray[np.int64]) -> tuple[Array, Array, A
     size = np.abs(places).max(axis=1, keepdims=True)
     x, y = np.moveaxis(places / size, -1, 0)
     terms = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=-1)
-    turned = np.swapaxes(terms, 1, 2)
-    fit = np.linalg.solve(turned @ terms, turned)
+    fit = np.linalg.pinv(
+        terms
+    )  # on a tube of three spans, points of a window may lie over one another
     return tangents, places, fit[:, 1:3] / np.swapaxes(size, 1, 2)
 
 

@@ -31,8 +31,8 @@ class UnstableSolutionError(ArithmeticError):
     """
 
     remedy = (
-        "Shorten the step (raise electrophysiology.n_steps), take the scheme strang, or check the "
-        "strength of the stimuli."
+        "Shorten the step (raise electrophysiology.n_steps), take the scheme strang, refine the mesh, or "
+        "check the strength of the stimuli."
     )
 
     def __init__(

@@ -8,6 +8,7 @@ import pytest
 from stages.electrophysiology.front_velocity import front_velocity
 from stages.numerics.bsplines import Array, SplineSpace
 from stages.numerics.patches import Patch
+from stages.numerics.tubes import closed_tube
 from tests.problems import observed_orders, parabolic_sheet, sheet_arc_length, skewed_square
 
 SPEED = 0.0175  # mm/ms
@@ -127,6 +128,13 @@ def test_everything_at_once_and_nothing_at_all_are_no_fronts() -> None:
     surface = FILM.refine(2, (6, 4))
     assert np.isnan(front_velocity(surface, np.full((surface.size, 2), 7.0))).all()
     assert front_velocity(surface, np.empty((surface.size, 0))).shape == (surface.size, 0, 3)
+
+
+def test_the_smallest_tubes_have_velocities_too() -> None:
+    """Of three spans, where the first window reaches to the other side of the tube."""
+    ring = closed_tube(0.4, 1.0, SplineSpace.uniform(2, 1), SplineSpace.uniform(2, 3))
+    found = front_velocity(ring, places(ring)[:, [0]] / SPEED)
+    np.testing.assert_allclose(found[:, 0, 0], SPEED, rtol=1e-9)
 
 
 def test_the_smallest_patch_has_one_window() -> None:
