@@ -30,10 +30,12 @@ def beats_at(
 ) -> dict[str, Array]:
     """What maps over points and beats say at parameters ``theta``.
 
-    Cubic through the four by four collocation points around ``theta``, whose events are matched in
-    time: where one point has missed a wave, column k of two neighbours may belong to different waves.
-    A front that bends on the way from point to point is met so to fourth order, where straight lines
-    would be late by h^2/8 over its radius and speed. Where one of the sixteen did not fire in that beat,
+    Cubic along X and along Y through the twelve collocation points around ``theta`` (four by four without
+    the corners), whose events are matched in time: where one point has missed a wave, column k of two
+    neighbours may belong to different waves. With C the cubic and L the straight line in a direction,
+    that is C_x L_y + L_x C_y - L_x L_y, of fourth order: a front that bends on the way from point to
+    point is met where straight lines would be late by h^2/8 over its radius and speed. Twelve points lie
+    closer to a wave's end than sixteen. Where one of them did not fire in that beat,
     or cubics depart from the straight lines by more than a quarter of the range of the nearest points (fronts
     meet there), linear between the up to four points around; NaN where one of these did not fire.
 
@@ -56,16 +58,21 @@ def beats_at(
     shape = (surface.first.size, surface.second.size, activation_times.shape[1])
     grids = {name: values.reshape(shape) for name, values in maps.items()}
     times = activation_times.reshape(shape)
-    near = [_around(space, theta[:, k], 2) for k, space in enumerate(surface.spaces)]
-    wide = [_around(space, theta[:, k], 4) for k, space in enumerate(surface.spaces)]
+    (rows, lines1, cubics1), (columns, lines2, cubics2) = (
+        _around(space, theta[:, k]) for k, space in enumerate(surface.spaces)
+    )
     found = {name: np.full((len(theta), shape[2]), np.nan) for name in maps}
     for probe in range(len(theta)):
-        rows, columns = (points[probe] for points, _ in near)
-        heaviest = np.argmax(np.outer(*(weights[probe] for _, weights in near)))
-        events = times[np.ix_(rows, columns)].reshape(4, -1)[[heaviest]]
+        around = np.ix_(rows[probe], columns[probe])
+        near = np.outer(lines1[probe], lines2[probe])
+        wide = np.outer(cubics1[probe], lines2[probe]) + np.outer(lines1[probe], cubics2[probe])
+        wide -= near
+        events = times[around].reshape(near.size, -1)
+        waves = matching(events[[np.argmax(near)]], events)
         for name, grid in grids.items():
-            straight, low, high = _weighted(near, probe, events, times, grid)
-            curved, _, _ = _weighted(wide, probe, events, times, grid)
+            values = taken(grid[around].reshape(near.size, -1), waves)
+            straight, low, high = _weighted(near.ravel(), values)
+            curved, _, _ = _weighted(wide.ravel(), values)
             smooth = np.abs(curved - straight) <= BENDING * (high - low)  # NaN is not
             found[name][probe] = np.where(smooth, curved, straight)
     return found
@@ -133,33 +140,29 @@ def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
     return peaks
 
 
-def _weighted(
-    stencils: list[tuple[NDArray[np.int64], Array]],
-    probe: int,
-    events: Array,
-    times: Array,
-    grid: Array,
-) -> tuple[Array, Array, Array]:
-    """Interpolated value of each wave, and the smallest and largest of those that count."""
-    (rows, row_weights), (columns, column_weights) = stencils
-    weights = np.outer(row_weights[probe], column_weights[probe]).ravel()
-    around = np.ix_(rows[probe], columns[probe])
-    waves = matching(events, times[around].reshape(weights.size, -1))
+def _weighted(weights: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Weighted sum over points, and the smallest and largest of those that count, each ``(beats,)``."""
     used = weights != 0.0
-    values = taken(grid[around].reshape(weights.size, -1), waves)[used]
-    return weights[used] @ values, values.min(axis=0), values.max(axis=0)
+    return weights[used] @ values[used], values[used].min(axis=0), values[used].max(axis=0)
 
 
-def _around(space: SplineSpace, at: Array, count: int) -> tuple[NDArray[np.int64], Array]:
-    """The ``count`` collocation points around each parameter, and their Lagrange weights, ``(n, count)``."""
+def _around(space: SplineSpace, at: Array) -> tuple[NDArray[np.int64], Array, Array]:
+    """The four collocation points around each parameter, weights of straight lines and of cubics, ``(n, 4)``."""
     points = space.greville()
-    count = min(count, space.size)
-    first = np.searchsorted(points, at, side="right") - count // 2
-    indices = np.clip(first, 0, space.size - count)[:, None] + np.arange(count)
-    places = points[indices]
+    count = min(4, space.size)
+    right = np.searchsorted(points, at, side="right")
+    indices = np.clip(right - 2, 0, space.size - count)[:, None] + np.arange(count)
+    near = np.clip(right - 1, 0, space.size - 2)[:, None] + np.arange(2)
+    lines = np.zeros(indices.shape)
+    np.put_along_axis(lines, near - indices[:, :1], _lagrange(points[near], at), axis=1)
+    return indices, lines, _lagrange(points[indices], at)
+
+
+def _lagrange(places: Array, at: Array) -> Array:
+    """Weights of the values at ``places`` ``(n, count)`` in their polynomial's value at ``at`` ``(n,)``."""
     weights = np.ones_like(places)
-    for i in range(count):
-        for j in range(count):
+    for i in range(places.shape[1]):
+        for j in range(places.shape[1]):
             if i != j:
                 weights[:, i] *= (at - places[:, j]) / (places[:, i] - places[:, j])
-    return indices, weights
+    return weights

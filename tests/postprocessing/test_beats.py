@@ -39,6 +39,19 @@ def test_a_curved_front_is_met_to_fourth_order() -> None:
     assert np.log2(errors[0] / errors[2]) / 2 > 3.0  # four on average over places within a span
 
 
+def test_a_wave_that_ends_nearby_is_met_as_well_while_it_reaches_the_twelve_points_around() -> None:
+    """A corner of the four by four points around the place did not fire; straight lines are 0.3 ms off."""
+    theta = np.array([[0.5, 0.5]])
+    times = np.hypot(PLACES[:, 0] - 1.0, PLACES[:, 1] - 0.2)[:, None] / 0.02
+    exact = np.hypot(0.5 * 3.5 - 1.0, 0.5 * 2.0 - 0.2) / 0.02
+    all_fired = arrival_times(SURFACE, times, theta)[0, 0]
+    ended = times.copy()
+    ended[np.argmin(np.hypot(PLACES[:, 0] - 2.125, PLACES[:, 1] - 1.375))] = np.nan
+    assert arrival_times(SURFACE, ended, theta)[0, 0] == all_fired
+    # a span of 0.25 mm at 1.1 mm from the centre of the wave
+    assert abs(all_fired - exact) < 0.02
+
+
 def test_where_two_fronts_meet_times_stay_between_those_of_the_neighbours() -> None:
     times = np.minimum(PLACES[:, 0], 2.17 - PLACES[:, 0])[:, None] / 0.02 + 100.0
     path = np.column_stack((np.linspace(0.2, 0.4, 81), np.full(81, 0.41)))
