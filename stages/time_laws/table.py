@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from bisect import bisect_right
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.configuration import quantity, unkeyed
+from stages.number_lines import NumberFile
 from stages.time_laws.base import TimeLaw
 
 ALLOWED = (
@@ -40,11 +39,8 @@ class Table(TimeLaw):
             raise PydanticCustomError(
                 "table", "give either a file, or time and factor, not both", {}
             )
-        points = list(_points(Path(data["file"]).expanduser()))
-        return data | {
-            "time": tuple(time for _, time, _ in points),
-            "factor": tuple(factor for _, _, factor in points),
-        }
+        time, factor = zip(*_points(data["file"]), strict=True)
+        return data | {"time": time, "factor": factor}
 
     @model_validator(mode="after")
     def _is_a_course(self) -> Table:
@@ -79,49 +75,16 @@ class Table(TimeLaw):
         return low + (high - low) * (time - a) / (b - a)
 
 
-def _points(path: Path) -> Iterator[tuple[int, float, float]]:
-    """Line number, time and factor of each point."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise _refused(path, f"cannot be read: {reason}", "give the path of a CSV file") from error
-    last, found = -math.inf, 0
-    for line, cells in enumerate(csv.reader(text.splitlines()), start=1):
-        if not any(cell.strip() for cell in cells) or cells[0].lstrip().startswith("#"):
-            continue
-        values = [_number(cell) for cell in cells]
-        if not found and len(cells) == 2 and values == [None, None]:
-            found = -1  # names of the columns
-            continue
-        place = f"line {line}, {','.join(cells)!r},"
-        if len(values) != 2 or None in values:
-            raise _refused(path, f"{place} is not two finite numbers")
-        time, factor = values
-        assert time is not None
-        assert factor is not None
+def _points(name: str) -> Iterator[tuple[float, float]]:
+    """Time and factor of each point."""
+    file, last, found = NumberFile(name, 2, ALLOWED), -math.inf, 0
+    for place, (time, factor) in file.lines():
         if time <= last:
-            raise _refused(path, f"{place} goes back in time: {last:g} ms comes before it")
-        yield line, time, factor
-        last, found = time, max(found, 0) + 1
+            raise file.refused(f"{place} goes back in time: {last:g} ms comes before it")
+        yield time, factor
+        last, found = time, found + 1
     if found < 2:
-        raise _refused(path, f"holds {max(found, 0)} points: at least two are needed")
-
-
-def _number(cell: str) -> float | None:
-    try:
-        value = float(cell)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
-
-
-def _refused(path: Path, problem: str, allowed: str = ALLOWED) -> PydanticCustomError:
-    return PydanticCustomError(
-        "time_table",
-        "file {path}: {problem}; {allowed}",
-        {"path": str(path), "problem": problem, "allowed": allowed},
-    )
+        raise file.refused(f"holds {found} points: at least two are needed")
 
 
 MODEL = Table

@@ -30,6 +30,7 @@ from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch
 from stages.paced_artefacts import Restitution
 from tests.paper import S1, electrophysiology_config
+from tests.problems import parabolic_sheet
 
 PULSE = UniformCurrent(start=0.0, duration=2.0, current=20.0)
 S3 = S1.model_copy(update={"edge": "Y=0"})
@@ -206,8 +207,14 @@ def test_a_stopped_restitution_goes_on_as_if_nothing_had_happened(
 
 
 @pytest.mark.parametrize("start", [8.0, 8.03])
-def test_a_branch_equals_the_unbroken_run_bit_for_bit(start: float) -> None:
-    config, patch = electrophysiology_config(), Patch.rectangle(1.0, 0.6).refine(3, (8, 6))
+@pytest.mark.parametrize("scheme", ["cn-ab2", "strang"])
+@pytest.mark.parametrize(
+    "film", [Patch.rectangle(1.0, 0.6), parabolic_sheet(0.5, 1.0, 0.6)], ids=["flat", "bent"]
+)
+def test_a_branch_equals_the_unbroken_run_bit_for_bit(
+    start: float, scheme: str, film: Patch
+) -> None:
+    config, patch = electrophysiology_config(scheme=scheme), film.refine(3, (8, 6))
     moved = S3.model_copy(update={"start": start})
 
     def make(stimuli: Stimuli) -> tuple[Stepper, TissueState]:
