@@ -5,7 +5,8 @@ next beat. It is repolarised by x when the potential falls, for the first time a
 
     v_x = v_rest + (1 - x)(v_peak - v_rest),    x = 50 % and 90 %.
 
-Times, and the peak itself, are those of the parabola through three time levels.
+Times, and the peak itself, are those of the parabola through three time levels, of the straight line through
+two where a stimulus has just set in or ended (:func:`restart`).
 """
 
 from __future__ import annotations
@@ -111,12 +112,26 @@ def watch(w: Watch, new: Array, start: float, step: float) -> None:
     w.counts[1] += 1
 
 
+@kernel
+def restart(w: Watch, points: NDArray[np.int64], potential: Array) -> None:
+    """What drives some points sets in or ends: earlier levels say nothing of the coming step.
+
+    Where their potential jumps up below the threshold, the parabolas to come start from ``potential``, the
+    one after the jump. After other jumps only the level before is left out: the peak is what was reached.
+    """
+    now, old = w.counts[1] % 3, (w.counts[1] + 2) % 3
+    for i in points if w.high.size else points[:0]:
+        w.levels[old, i] = np.nan
+        if w.levels[now, i] < potential[i] < w.threshold:
+            w.levels[now, i] = potential[i]
+
+
 @inlined
 def _note(w: Watch, i: int, now: int, v2: float, start: float, step: float) -> None:
     """The events of one point."""
     v0, v1 = w.levels[(now + 2) % 3, i], w.levels[now, i]
     if math.isnan(v0):
-        v0 = 2.0 * v1 - v2  # a straight line where only two levels are known
+        v0 = 2.0 * v1 - v2  # a straight line where only two levels are of use
     if v1 < w.threshold <= v2:
         _log(w, i)
         w.started[i] = start + step * _crossing(-v0, -v1, -v2, -w.threshold)
@@ -174,6 +189,6 @@ def _crossing(v0: float, v1: float, v2: float, level: float) -> float:
 
 @inlined
 def _top(v0: float, v1: float, v2: float) -> float:
-    """Largest value of the parabola through three levels, of which the middle one is the highest."""
+    """Largest value of the parabola through three levels; on a straight line down, that where it begins."""
     bend, slope = 0.5 * (v0 + v2) - v1, 0.5 * (v2 - v0)
-    return v1 - slope * slope / (4.0 * bend) if bend < 0.0 else v1
+    return v1 - slope * slope / (4.0 * bend) if bend < 0.0 and v0 <= v1 else v1

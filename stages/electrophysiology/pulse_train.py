@@ -55,6 +55,13 @@ class PulseTrain:
         begun = starts[np.maximum(last, 0)]
         return np.asarray((last >= 0) & (begun + self.duration > t0 + TOLERANCE))
 
+    def jumps(self, t0: Array, t1: Array) -> NDArray[np.bool_]:
+        """Whether a pulse begins or ends between each ``t0`` and ``t1``, not at them, with the same tolerance."""
+        starts = np.array(self.starts)
+        switches = np.sort(np.concatenate((starts, starts + self.duration)))
+        low = np.searchsorted(switches, np.asarray(t0) + TOLERANCE, side="right")
+        return low < np.searchsorted(switches, np.asarray(t1) - TOLERANCE, side="left")
+
     def mean(self, t0: Array, t1: Array) -> Array:
         """Mean of the factor over each step from ``t0`` to ``t1``: for plain pulses the part of it that is on.
 

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.electrophysiology.edge_values import EdgeValues, close_edges, end_rows
-from stages.electrophysiology.events import UNWATCHED, Watch, watch
+from stages.electrophysiology.events import UNWATCHED, Watch, restart, watch
 from stages.electrophysiology.guard import any_bad
 from stages.electrophysiology.l_stable import LStableDiffusion, amplification
 from stages.electrophysiology.modes import Factors, Modes, factors, multiply
@@ -43,7 +44,7 @@ class GeneralSplitting:
         self, problem: Problem, diffusion: LStableDiffusion, edges: EdgeValues | None = None
     ) -> None:
         self.problem, self.diffusion, self.edges = problem, diffusion, edges
-        self.parts = parts(problem)
+        self.parts, self.stimulated = parts(problem), problem.stimulated()
 
     def diffusion_state(self, potential: Array) -> Array:
         """Nothing: the potential at the points is all that a step needs."""
@@ -56,12 +57,15 @@ class GeneralSplitting:
         cell, tension = problem.constants
         means, ends = problem.means(state.steps, steps), problem.amplitudes(state.steps, steps)[1:]
         driven = problem.driven(state.steps, steps)
+        kinked = problem.kinked(state.steps, steps)
         nothing = np.zeros(state.potential.size)
         for k in range(steps):
             start = state.steps * step
             if self.edges and driven[k]:
                 self.edges.close(state.potential)
                 state.potential += means[k] @ self.edges.lifts
+            if kinked[k]:
+                restart(beats, self.stimulated, state.potential)
             before = state.potential.copy()
             reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
             new = diffusion(state.potential, nothing, nothing)
@@ -95,6 +99,7 @@ class System(NamedTuple):
     ends1: Array
     ends2: Array
     lifts: Array
+    stimulated: NDArray[np.int64]
 
 
 class SeparableSplitting:
@@ -121,6 +126,7 @@ class SeparableSplitting:
             end_rows(first),
             end_rows(second),
             edges.lifts if edges else np.zeros_like(diffusion.responses),
+            problem.stimulated(),
         )
 
     def diffusion_state(self, potential: Array) -> Array:
@@ -136,6 +142,7 @@ class SeparableSplitting:
             problem.means(state.steps, steps),
             problem.amplitudes(state.steps, steps),
             problem.driven(state.steps, steps),
+            problem.kinked(state.steps, steps),
             state.steps,
             problem.step,
             self.parts,
@@ -168,6 +175,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         means: Any,
         on: Any,
         driven: Any,
+        kinked: Any,
         first_step: int,
         step: float,
         parts: Any,
@@ -175,7 +183,7 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
         cell: Any,
         tension: Any,
     ) -> int:
-        to1, to2, from1, from2, damp, responses, ends1, ends2, lifts = system
+        to1, to2, from1, from2, damp, responses, ends1, ends2, lifts, stimulated = system
         m1, m2 = to1.shape[0], to2.shape[1]
         potential, half_step = cells.potential, 0.5 * step
         grid = potential.reshape((m1, m2))
@@ -189,6 +197,8 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
             if driven[k]:
                 close_edges(grid, ends1, ends2)
                 add(potential, means[k], lifts)
+            if kinked[k]:
+                restart(beats, stimulated, potential)
             before[:] = potential
             excite(cells, nothing, half_step, parts.excitation, cell, tension)
             np.dot(from1, grid, half)

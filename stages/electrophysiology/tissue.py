@@ -119,10 +119,25 @@ class Problem:
 
     def driven(self, first: int, steps: int) -> NDArray[np.bool_]:
         """Whether a flux through an edge acts in each of the steps after ``first``, or did in the one before."""
-        times = np.arange(first - 1, first + steps + 1, dtype=float) * self.step
+        since, until = self._around(first, steps)
         fluxes = (source for source in self.sources if source.boundary.any())
-        nowhere = np.zeros(steps, dtype=bool)
-        return sum((source.pulses.acts(times[:-2], times[2:]) for source in fluxes), nowhere)
+        return sum((s.pulses.acts(since, until) for s in fluxes), np.zeros(steps, dtype=bool))
+
+    def kinked(self, first: int, steps: int) -> NDArray[np.bool_]:
+        """Whether a stimulus may jump in each of the steps after ``first``, at its beginning or in the one before."""
+        since, until = self._around(first, steps)
+        trains = (source.pulses for source in self.sources)
+        return sum((train.jumps(since, until) for train in trains), np.zeros(steps, dtype=bool))
+
+    def stimulated(self) -> NDArray[np.int64]:
+        """Points that any stimulus drives."""
+        driven = [(source.boundary != 0.0) | (source.interior != 0.0) for source in self.sources]
+        return np.flatnonzero(np.any(driven, axis=0)) if driven else np.zeros(0, dtype=np.int64)
+
+    def _around(self, first: int, steps: int) -> tuple[Array, Array]:
+        """Beginning of the step before each one and end of each one, ms."""
+        times = np.arange(first - 1, first + steps + 1, dtype=float) * self.step
+        return times[:-2], times[2:]
 
     def count(self, state: TissueState, good: int, asked: int) -> None:
         """:func:`count_steps` with the step and the points of the problem."""

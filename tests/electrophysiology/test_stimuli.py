@@ -196,6 +196,15 @@ def test_a_pulse_acts_in_the_steps_that_it_has_a_part_of() -> None:
         )
 
 
+def test_a_train_jumps_where_its_pulses_begin_and_end() -> None:
+    train = pulses(starts=(1.0, 6.0, 20.0))  # of 5 ms
+    step = 0.1
+    levels = np.arange(-1, 300) * step
+    found = levels[:-1][train.jumps(levels[:-1] - 0.5 * step, levels[:-1] + 0.5 * step)]
+    np.testing.assert_allclose(found, [1.0, 6.0, 11.0, 20.0, 25.0], rtol=1e-12)
+    assert not train.jumps(levels[:-1], levels[1:]).any()  # levels themselves, up to rounding
+
+
 def test_a_train_is_its_pulses_and_a_constant_course_is_none() -> None:
     one = EdgeFlux(edge="X=0", extent=(0.3, 1.1), flux=2.0, start=1.0, duration=2.0)
     law = Table(time=(0.0, 2.0), factor=(1.0, 1.0))
