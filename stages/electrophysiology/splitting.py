@@ -64,8 +64,8 @@ class GeneralSplitting:
             if self.edges and driven[k]:
                 self.edges.close(state.potential)
                 state.potential += means[k] @ self.edges.lifts
-            if kinked[k]:
-                restart(beats, self.stimulated, state.potential)
+            for points in self.stimulated[kinked[k]]:
+                restart(beats, np.flatnonzero(points), state.potential)
             before = state.potential.copy()
             reaction.excite(cells, nothing, 0.5 * step, self.parts.excitation, cell, tension)
             new = diffusion(state.potential, nothing, nothing)
@@ -99,7 +99,7 @@ class System(NamedTuple):
     ends1: Array
     ends2: Array
     lifts: Array
-    stimulated: NDArray[np.int64]
+    stimulated: NDArray[np.bool_]
 
 
 class SeparableSplitting:
@@ -197,8 +197,9 @@ def compile_block(excite: Callable[..., None], contract: Callable[..., None]) ->
             if driven[k]:
                 close_edges(grid, ends1, ends2)
                 add(potential, means[k], lifts)
-            if kinked[k]:
-                restart(beats, stimulated, potential)
+            for s in range(kinked.shape[1]):
+                if kinked[k, s]:
+                    restart(beats, np.flatnonzero(stimulated[s]), potential)
             before[:] = potential
             excite(cells, nothing, half_step, parts.excitation, cell, tension)
             np.dot(from1, grid, half)

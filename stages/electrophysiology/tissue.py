@@ -124,15 +124,18 @@ class Problem:
         return sum((s.pulses.acts(since, until) for s in fluxes), np.zeros(steps, dtype=bool))
 
     def kinked(self, first: int, steps: int) -> NDArray[np.bool_]:
-        """Whether a stimulus may jump in each of the steps after ``first``, at its beginning or in the one before."""
-        since, until = self._around(first, steps)
-        trains = (source.pulses for source in self.sources)
-        return sum((train.jumps(since, until) for train in trains), np.zeros(steps, dtype=bool))
+        """Whether each stimulus may jump in each of the steps after ``first``, at its beginning or in the one before.
 
-    def stimulated(self) -> NDArray[np.int64]:
-        """Points that any stimulus drives."""
-        driven = [(source.boundary != 0.0) | (source.interior != 0.0) for source in self.sources]
-        return np.flatnonzero(np.any(driven, axis=0)) if driven else np.zeros(0, dtype=np.int64)
+        Shape ``(steps, stimulus)``.
+        """
+        since, until = self._around(first, steps)
+        columns = [source.pulses.jumps(since, until) for source in self.sources]
+        return np.stack(columns, axis=1) if columns else np.zeros((steps, 0), dtype=bool)
+
+    def stimulated(self) -> NDArray[np.bool_]:
+        """Whether each stimulus drives each point, shape ``(stimulus, point)``."""
+        rows = [(source.boundary != 0.0) | (source.interior != 0.0) for source in self.sources]
+        return np.array(rows, dtype=bool).reshape(len(rows), len(self.position))
 
     def _around(self, first: int, steps: int) -> tuple[Array, Array]:
         """Beginning of the step before each one and end of each one, ms."""

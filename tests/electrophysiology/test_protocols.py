@@ -233,6 +233,24 @@ def test_a_branch_equals_the_unbroken_run_bit_for_bit(
     assert branch.beats()["activation_times"].shape[1] == 1
 
 
+@pytest.mark.parametrize("film", [Patch.rectangle(1.0, 0.6), parabolic_sheet(0.5, 1.0, 0.6)])
+def test_a_stimulus_that_does_not_act_yet_leaves_the_beats_alone(film: Patch) -> None:
+    """Points of the edge Y = 0 cross the threshold while S1 sets in and ends; S3 would come later."""
+    config = electrophysiology_config(scheme="strang", n_steps=20, duration=10.0)
+    patch, strong = film.refine(3, (60, 2)), S1.model_copy(update={"flux": 10.0})
+    late = S3.model_copy(update={"start": 9.9})
+
+    def make(stimuli: Stimuli) -> tuple[Stepper, TissueState]:
+        return build(config.model_copy(update={"stimuli": stimuli}), patch)
+
+    one, other = (TissueRun(config, make, stimuli) for stimuli in ((strong,), (strong, late)))
+    for run in (one, other):
+        run.advance_to(19)
+    found = one.beats()["activation_times"]
+    np.testing.assert_array_equal(found, other.beats()["activation_times"])
+    assert ((found > 5.0) & (found < 6.0)).any()
+
+
 def sweep(**changes: Any) -> WindowConfig:
     """The film of the paper on a mesh for tests, watched for two turns of a spiral."""
     protocol: dict[str, Any] = {
