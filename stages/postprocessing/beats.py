@@ -13,6 +13,8 @@ from stages.numerics.waves import matching, taken
 
 BENDING = 0.25
 """Part of the range of neighbouring values by which a smooth field departs from straight lines at most."""
+NEGLIGIBLE = 1e-9
+"""A point of less weight does not count: a place on a collocation point is known to rounding only."""
 ROUGHNESS = 5.0
 """A front takes at most this many times its median step time between neighbouring points."""
 
@@ -142,7 +144,7 @@ def beat_peaks(stress: Array, time: Array, arrivals: Array) -> Array:
 
 def _weighted(weights: Array, values: Array) -> tuple[Array, Array, Array]:
     """Weighted sum over points, and the smallest and largest of those that count, each ``(beats,)``."""
-    used = weights != 0.0
+    used = np.abs(weights) > NEGLIGIBLE
     return weights[used] @ values[used], values[used].min(axis=0), values[used].max(axis=0)
 
 

@@ -118,6 +118,16 @@ def test_a_probe_on_a_collocation_point_does_not_need_its_neighbours() -> None:
     assert arrival_times(SURFACE, times, np.array([[0.0, 0.0]]))[0, 0] == 3.25
 
 
+def test_a_probe_that_rounding_has_moved_off_its_collocation_point_does_not_either() -> None:
+    first, second = SURFACE.first.greville(), SURFACE.second.greville()
+    times = np.full((first.size, second.size), np.nan)
+    times[5, 3] = 3.25
+    for off in (-1e-15, 1e-15):
+        theta = np.array([[first[5] + off, second[3] - off]])
+        found = arrival_times(SURFACE, times.reshape(-1, 1), theta)[0, 0]
+        assert found == pytest.approx(3.25, rel=1e-12)
+
+
 def test_no_beats_give_empty_tables() -> None:
     nothing = np.empty((SURFACE.size, 0))
     assert arrival_times(SURFACE, nothing, THETA).shape == (2, 0)
