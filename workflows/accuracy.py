@@ -93,11 +93,14 @@ def with_picked_setting(data: Any) -> Any:
     if not asked:
         return data
     _refuse_contradictions(cells, asked)
+    accuracy = cells.get("accuracy")
+    if accuracy is not None and not (isinstance(accuracy, int | float) and accuracy > 0):
+        return _unpicked(data, cells)
     try:
         tissue = _tissue(cells)
         length, width = (float(data["geometry"][side]) for side in ("length", "width"))
     except (ValidationError, KeyError, TypeError, ValueError):  # told where the section is read
-        return {**data, "electrophysiology": {**cells, **UNPICKED}}
+        return _unpicked(data, cells)
     front = tissue_front(tissue)
     if front is None:
         raise PydanticCustomError(
@@ -130,6 +133,11 @@ def picked(config: Any) -> str | None:
 
 UNPICKED = {"elements": (FEWEST, FEWEST), "degree": 2, "n_steps": 10**9}
 """Stands in while the rest of the section is read."""
+
+
+def _unpicked(data: Mapping[str, Any], cells: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables with a stand-in for what cannot be picked, since the section tells what is wrong in it."""
+    return {**data, "electrophysiology": {**cells, **UNPICKED}}
 
 
 def _tissue(cells: Mapping[str, Any]) -> ElectrophysiologyConfig:
@@ -168,10 +176,7 @@ def _chosen(cells: Mapping[str, Any], front: Front, length: float, width: float)
                 "allowed": ", ".join(named),
             },
         )
-    if not isinstance(accuracy, int | float) or not accuracy > 0:
-        raise PydanticCustomError(
-            "accuracy", "electrophysiology.accuracy must be a time above 0 ms", {}
-        )
+    assert isinstance(accuracy, int | float)
     for setting in settings:
         if setting.largest_error(front, length, width) <= accuracy:
             return setting

@@ -35,6 +35,7 @@ class ElectrophysiologyConfig(CellConfig):
         "error of activation times to stay below, for which the cheapest measured setting picks elements, "
         "degree, n_steps and scheme; none: as given",
         unit="ms",
+        gt=0,
         default=None,
     )
     elements: tuple[Count, Count] = setting("knot spans along X and along Y", "sec. 4.3")

@@ -127,8 +127,13 @@ def test_an_error_grows_with_the_way_so_that_a_larger_film_needs_more() -> None:
         (("accuracy=0.1", "elements=[9, 9]"), "accuracy picks .*elements is given, too"),
         (("accuracy=0.1", "preset=quick"), "preset picks .*accuracy is given, too"),
         (("accuracy=0.0001",), "accuracy = 0.0001 ms: no measured setting .* reaches 0.013 ms"),
-        (("accuracy=0",), "accuracy must be a time above 0 ms"),
-        (("accuracy=1 mm",), "'mm' has another dimension"),
+        (("accuracy=0",), r"^electrophysiology.accuracy = 0: must be greater than 0 ms$"),
+        (("accuracy=-1 us",), r"^electrophysiology.accuracy = .*: must be greater than 0 ms$"),
+        (("accuracy=nan",), "^electrophysiology.accuracy = NaN: must be a finite number$"),
+        (
+            ("accuracy=1 mm",),
+            "^electrophysiology.accuracy = \"1 mm\": .*'mm' has another dimension$",
+        ),
         (("accuracy=0.1", "cell_model.a=0.6"), "carry no front"),
     ],
 )
