@@ -30,7 +30,7 @@ from workflows.film_checks import (
     unusable_layers,
 )
 from workflows.tables import exact
-from workflows.tissue_checks import unfit_stimuli, unfit_tissue
+from workflows.tissue_checks import tip_potential_out_of_reach, unfit_stimuli, unfit_tissue
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ def _misfits(config: CoupledFilmConfig) -> Iterator[str]:
     yield from unfit_meshes(film, {"mechanics": (shell.degree, shell.elements)})
     yield from unfit_stimuli(film, cells.stimuli, cells.duration)
     yield from unfit_tissue(film, cells)
+    yield from tip_potential_out_of_reach(cells, measured.tip_potential)
     window = measured.velocity_window
     if window[0] < 0 or window[1] > film.length:
         yield (

@@ -79,3 +79,17 @@ def threshold_out_of_reach(cells: ElectrophysiologyConfig) -> Iterator[str]:
         f"({number(found.start)} mV) and peak ({number(found.peak)} mV) of these cells: no activation "
         f"would be found; half way is {middle} mV"
     )
+
+
+def tip_potential_out_of_reach(
+    cells: ElectrophysiologyConfig, level: float | None
+) -> Iterator[str]:
+    """A potential (mV) that is to tell the tips of spirals, but that these cells do not pass through."""
+    found = excitation(cells)
+    if level is None or found is None or found.start < level < found.peak:
+        return
+    yield (
+        f"postprocessing.tip_potential = {number(level)} mV does not lie between rest "
+        f"({number(found.start)} mV) and peak ({number(found.peak)} mV) of these cells: no tip would be "
+        f"found; half way is {round(0.5 * (found.start + found.peak))} mV"
+    )

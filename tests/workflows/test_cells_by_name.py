@@ -101,3 +101,12 @@ def test_a_threshold_that_no_action_potential_crosses_is_refused(threshold: int)
     )
     with pytest.raises(InputError, match=message):
         cells(*FINE, "cell_model=bueno-orovio", f"activation_threshold={threshold}")
+
+
+@pytest.mark.parametrize("level", [-80, 900])
+def test_a_tip_potential_that_no_action_potential_passes_is_refused(level: int) -> None:
+    message = (
+        rf"tip_potential = {level} mV does not lie between rest \(-80 mV\) and peak .* is -30 mV"
+    )
+    with pytest.raises(InputError, match=message):
+        Request.read("spiral-wave", overrides=[f"postprocessing.tip_potential={level}"])
