@@ -170,10 +170,14 @@ def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Pat
     print(f"report    {folder / 'report.html'}")
     for label, files in (("pictures", pictures), ("data", data)):
         paths = ", ".join(str(folder / file) for file in files)
-        for line in textwrap.wrap(
-            f"{label:10}{paths}", max(width, 60), subsequent_indent=" " * 10, break_long_words=False
-        ):
-            print(line)
+        lines = textwrap.wrap(
+            f"{label:10}{paths}",
+            max(width, 60),
+            subsequent_indent=" " * 10,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        print(*lines, sep="\n")
 
 
 def _told(quantity: Quantity) -> str:

@@ -137,7 +137,8 @@ MAPS = Export(
     kind="picture",
     caption="Beat by beat, left: activation time with isochrones and the velocity of the front (an arrow "
     "of usual speed is 0.7 of the arrows' spacing long); right: action potential duration to 90 % "
-    "repolarisation. White: no such beat, or cut short by the next one.",
+    "repolarisation. Beats are counted at each point, so that beside a block or a core one panel shows "
+    "several waves. White: no such beat, or cut short by the next one.",
 )
 """What every beat does over the film."""
 

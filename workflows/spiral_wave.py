@@ -52,7 +52,7 @@ WORKFLOW = Workflow(
             stages=("geometry", "postprocessing"),
             kind="picture",
             caption="(a) Path of the spiral's tip, where the front ends, coloured by time; a dot where it was "
-            "seen last. (b) How long each turn takes: of the tip, and as the probes see it.",
+            "seen last. A short path beside S3's edge is the other end of its front. (b) How long each turn takes: of the tip, and as the probes see it.",
             sections=("electrophysiology",),
             shown=lambda config: config.postprocessing.tip_potential is not None,
         ),

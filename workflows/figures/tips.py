@@ -41,7 +41,8 @@ def write(experiment: Experiment, folder: Path) -> None:
     with drawing(10.4, 3.9) as figure:
         place, turns = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
         place.plot(outline[:, 0], outline[:, 1], color=INK, lw=0.8)
-        scale = Normalize(measures.time[0], measures.time[-1])
+        seen = measures.tips.time if measures.tips.time.size else measures.time
+        scale = Normalize(seen.min(), seen.max())
         _draw_paths(place, measures, scale)
         for name, point in zip(measures.probe_names, measures.probe_points, strict=True):
             place.plot(*point[:2], color=FAINT, marker="+", ms=8, clip_on=False)
