@@ -69,6 +69,11 @@ def _path(text: str | Path) -> Path:
     return Path(text)
 
 
+def _location(text: str) -> str:
+    """A folder or a URL; not empty, for the same reason."""
+    return str(_path(text)) if "://" not in text else text
+
+
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
@@ -109,11 +114,11 @@ Out = Annotated[
     ),
 ]
 StorePath = Annotated[
-    Path | None,
+    str | None,
     typer.Option(
         "--store",
         metavar="DIR",
-        parser=_path,
+        parser=_location,
         envvar="MYOFILM_STORE",
         help="Where results are kept.  [default: the user's cache folder]",
     ),

@@ -24,7 +24,7 @@ def run_workflow(
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
-    store: Path | None,
+    store: str | None,
     *,
     quiet: bool = False,
     verbose: bool = False,
@@ -35,7 +35,7 @@ def run_workflow(
 
 
 def carry_out(
-    request: Request, out: Path, store: Path | None, *, quiet: bool = False, verbose: bool = False
+    request: Request, out: Path, store: str | None, *, quiet: bool = False, verbose: bool = False
 ) -> None:
     """The same for a request.
 
@@ -64,7 +64,7 @@ def run_stage(
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
-    store: Path | None,
+    store: str | None,
     *,
     quiet: bool = False,
     verbose: bool = False,
@@ -103,7 +103,7 @@ def run_stage(
 
 
 def explain_workflow(
-    name: str, config: Path | None, overrides: Sequence[str], store: Path | None
+    name: str, config: Path | None, overrides: Sequence[str], store: str | None
 ) -> None:
     """Tell which stages would be computed, why, and at what cost."""
     from pipeline.plan import explain

@@ -30,7 +30,7 @@ def draw(
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
-    store: Path | None,
+    store: str | None,
     *,
     quiet: bool = False,
     verbose: bool = False,

@@ -87,15 +87,17 @@ class Request:
         return {name: node for name, node in nodes.items() if id(node) in needed}
 
 
-def open_store(path: Path | None) -> LocalStore:
-    """The store in a folder, or in the user's cache folder."""
-    from pipeline.store import LocalStore
+def open_store(location: str | None) -> LocalStore:
+    """The store that ``--store`` names, or the one in the user's cache folder.
 
-    if path is None:
-        import platformdirs
+    Raises
+    ------
+    InputError
+        If there can be no store.
+    """
+    from pipeline.store import open_store as opened
 
-        path = Path(platformdirs.user_cache_dir("myofilm"))
-    return LocalStore(path)
+    return opened(location)
 
 
 def output_folder(path: Path) -> Path:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pipeline.canonical import leaves
 from pipeline.errors import InputError
 from pipeline.keys import Ref
@@ -17,9 +15,9 @@ SHORT = 12
 """Characters of a key that are shown in lists."""
 
 
-def list_artefacts(stage: str | None, path: Path | None) -> None:
+def list_artefacts(stage: str | None, location: str | None) -> None:
     """One line for each result kept: stage, key, size, cost, age."""
-    store = open_store(path)
+    store = open_store(location)
     refs = list(store.refs())
     stages = sorted({ref.stage for ref in refs})
     if stage is not None and refs and stage not in stages:
@@ -38,9 +36,9 @@ def list_artefacts(stage: str | None, path: Path | None) -> None:
     print(f"{len(manifests)} results, {size(sum(m.size for m in manifests))} in {store.path}")
 
 
-def show_artefact(key: str, path: Path | None) -> None:
+def show_artefact(key: str, location: str | None) -> None:
     """Everything that the manifest of one result tells."""
-    store = open_store(path)
+    store = open_store(location)
     manifest = store.manifest(_ref(store, key))
     rows = [
         ("stage", manifest.stage),

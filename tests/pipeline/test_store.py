@@ -262,7 +262,7 @@ def test_everything_is_on_the_disk_before_the_artefact_appears(
         real_rename(source, target)
 
     monkeypatch.setattr("pipeline.durable.sync", sync)
-    monkeypatch.setattr("pipeline.store.sync", sync)
+    monkeypatch.setattr("pipeline.store.workspace.sync", sync)
     monkeypatch.setattr(os, "rename", rename)
     ref = publish(store, example()).ref
     assert store.data(ref).parent.parent in synced  # so that the rename itself is kept

@@ -24,7 +24,7 @@ def run_studies(
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
-    store: Path | None,
+    store: str | None,
     *,
     quiet: bool = False,
     verbose: bool = False,

@@ -1,4 +1,4 @@
-"""The store: write-once artefacts, each in a folder that is there completely or not at all.
+"""The store in a folder: each artefact in a folder of its own that is there completely or not at all.
 
 Layout of a local store::
 
@@ -12,143 +12,27 @@ Layout of a local store::
 from __future__ import annotations
 
 import contextlib
-import errno
 import heapq
 import json
 import os
 import platform
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Protocol
 
-from pipeline.durable import opening, remove_tree, storing, sync, sync_tree, write_atomically
+from pipeline.durable import opening, storing, write_atomically
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.loaded import state
 from pipeline.locks import locked
 from pipeline.manifest import Manifest
+from pipeline.store.workspace import LocalWorkspace
 from pipeline.verification import damaged, full_problems, size_problem
 
 RECENT_NS = 100_000_000
 """A file as young as this may change again without a change of its modification time."""
-
-
-class Workspace(Protocol):
-    """Where the holder of a key's lock writes before it publishes."""
-
-    @property
-    def folder(self) -> Path:
-        """Folder of the unfinished work."""
-        ...
-
-    @property
-    def data(self) -> Path:
-        """Folder for the data files of the artefact."""
-        ...
-
-    @property
-    def checkpoint(self) -> Path:
-        """File for the checkpoint."""
-        ...
-
-    def begin(self, *, resume: bool) -> None:
-        """Make ready to write; unless resuming, all that an earlier process left is removed."""
-        ...
-
-    def publish(self, manifest: Manifest) -> None:
-        """Make the data, with its manifest, an artefact for all readers at once."""
-        ...
-
-
-class Store(Protocol):
-    """What the engine needs of a store; ``pipeline.testing.stores`` tests it."""
-
-    def find(self, ref: Ref) -> Manifest | None:
-        """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked.
-
-        Raises
-        ------
-        StoreError
-            If the artefact is damaged.
-        """
-        ...
-
-    def manifest(self, ref: Ref) -> Manifest:
-        """Manifest of an artefact that must be there; its files are not looked at."""
-        ...
-
-    def data(self, ref: Ref) -> Path:
-        """Local folder with the data files of an artefact."""
-        ...
-
-    def refs(self, stage: str | None = None) -> Iterator[Ref]:
-        """Artefacts of one stage or of all, sorted."""
-        ...
-
-    def newest(self, stage: str, count: int) -> list[Ref]:
-        """The artefacts of a stage that were published last, at most ``count`` of them."""
-        ...
-
-    def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
-        """Problems of an artefact in words; ``full`` recomputes every checksum."""
-        ...
-
-    def writing(
-        self, ref: Ref, on_wait: Callable[[Holder], None]
-    ) -> AbstractContextManager[Workspace]:
-        """Hold the lock of a key, waiting for its present holder, and work on the artefact.
-
-        Raises
-        ------
-        InputError
-            If the store cannot be written to, the first time that this is wanted.
-        StoreError
-            If it cannot any longer.
-        """
-        ...
-
-
-@dataclass(frozen=True)
-class LocalWorkspace:
-    """Work folder in a local store."""
-
-    folder: Path
-    checkpoint: Path
-    target: Path
-
-    @property
-    def data(self) -> Path:
-        """Folder for the data files."""
-        return self.folder / "data"
-
-    def begin(self, *, resume: bool) -> None:
-        """Make ready to write."""
-        with storing(self.folder):
-            if not resume:
-                remove_tree(self.folder)
-                remove_tree(self.checkpoint.parent)
-            self.data.mkdir(parents=True, exist_ok=True)
-
-    def publish(self, manifest: Manifest) -> None:
-        """Sync everything, then rename the folder: the only commit point."""
-        with storing(self.folder):
-            (self.folder / "manifest.json").write_bytes(manifest.to_json())
-            sync_tree(self.folder)
-            self.target.parent.mkdir(parents=True, exist_ok=True)
-            sync(self.target.parent.parent)
-            try:
-                os.rename(self.folder, self.target)
-            except OSError as error:
-                if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
-                    raise
-                remove_tree(self.folder)  # another process published the same result first
-            sync(self.target.parent)
-            remove_tree(self.checkpoint.parent)
 
 
 class LocalStore:

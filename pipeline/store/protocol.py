@@ -1,0 +1,87 @@
+"""What the engine needs of a store, whatever it is kept on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Protocol
+
+from pipeline.events import Holder
+from pipeline.keys import Ref
+from pipeline.manifest import Manifest
+
+
+class Workspace(Protocol):
+    """Where the holder of a key's lock writes before it publishes."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the unfinished work."""
+        ...
+
+    @property
+    def data(self) -> Path:
+        """Folder for the data files of the artefact."""
+        ...
+
+    @property
+    def checkpoint(self) -> Path:
+        """File for the checkpoint."""
+        ...
+
+    def begin(self, *, resume: bool) -> None:
+        """Make ready to write; unless resuming, all that an earlier process left is removed."""
+        ...
+
+    def publish(self, manifest: Manifest) -> None:
+        """Make the data, with its manifest, an artefact for all readers at once."""
+        ...
+
+
+class Store(Protocol):
+    """What the engine needs of a store; ``pipeline.testing.stores`` tests it."""
+
+    def find(self, ref: Ref) -> Manifest | None:
+        """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked.
+
+        Raises
+        ------
+        StoreError
+            If the artefact is damaged.
+        """
+        ...
+
+    def manifest(self, ref: Ref) -> Manifest:
+        """Manifest of an artefact that must be there; its files are not looked at."""
+        ...
+
+    def data(self, ref: Ref) -> Path:
+        """Local folder with the data files of an artefact."""
+        ...
+
+    def refs(self, stage: str | None = None) -> Iterator[Ref]:
+        """Artefacts of one stage or of all, sorted."""
+        ...
+
+    def newest(self, stage: str, count: int) -> list[Ref]:
+        """The artefacts of a stage that were published last, at most ``count`` of them."""
+        ...
+
+    def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
+        """Problems of an artefact in words; ``full`` recomputes every checksum."""
+        ...
+
+    def writing(
+        self, ref: Ref, on_wait: Callable[[Holder], None]
+    ) -> AbstractContextManager[Workspace]:
+        """Hold the lock of a key, waiting for its present holder, and work on the artefact.
+
+        Raises
+        ------
+        InputError
+            If the store cannot be written to, the first time that this is wanted.
+        StoreError
+            If it cannot any longer.
+        """
+        ...

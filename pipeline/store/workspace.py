@@ -1,0 +1,49 @@
+"""Where an artefact of a local store is written before it is published."""
+
+from __future__ import annotations
+
+import errno
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.durable import remove_tree, storing, sync, sync_tree
+from pipeline.manifest import Manifest
+
+
+@dataclass(frozen=True)
+class LocalWorkspace:
+    """Work folder in a local store."""
+
+    folder: Path
+    checkpoint: Path
+    target: Path
+
+    @property
+    def data(self) -> Path:
+        """Folder for the data files."""
+        return self.folder / "data"
+
+    def begin(self, *, resume: bool) -> None:
+        """Make ready to write."""
+        with storing(self.folder):
+            if not resume:
+                remove_tree(self.folder)
+                remove_tree(self.checkpoint.parent)
+            self.data.mkdir(parents=True, exist_ok=True)
+
+    def publish(self, manifest: Manifest) -> None:
+        """Sync everything, then rename the folder: the only commit point."""
+        with storing(self.folder):
+            (self.folder / "manifest.json").write_bytes(manifest.to_json())
+            sync_tree(self.folder)
+            self.target.parent.mkdir(parents=True, exist_ok=True)
+            sync(self.target.parent.parent)
+            try:
+                os.rename(self.folder, self.target)
+            except OSError as error:
+                if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                    raise
+                remove_tree(self.folder)  # another process published the same result first
+            sync(self.target.parent)
+            remove_tree(self.checkpoint.parent)
