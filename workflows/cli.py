@@ -12,6 +12,9 @@ from typing import Annotated, Any
 import typer
 import typer.core
 
+from workflows.options import Config, Name, Out, Settings, StorePath, path_given
+from workflows.store_cli import store_app
+
 
 class Commands(typer.core.TyperGroup):
     """Commands whose errors end as one message and an exit code.
@@ -62,18 +65,6 @@ def _told(error: Exception) -> tuple[str, int]:
     return f"unexpected {kind}: {error}\nRun again with --traceback to see where.", 1
 
 
-def _path(text: str | Path) -> Path:
-    """A path; an empty one would mean the current folder, and be an unset shell variable."""
-    if text == "":
-        raise typer.BadParameter("it is empty; give a path, or leave the option out")
-    return Path(text)
-
-
-def _location(text: str) -> str:
-    """A folder or a URL; not empty, for the same reason."""
-    return str(_path(text)) if "://" not in text else text
-
-
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
@@ -83,46 +74,7 @@ app = typer.Typer(
     help="Simulate muscular thin films: electrical waves, contraction, bending. Results are kept in "
     "a store and never computed twice.",
 )
-store_app = typer.Typer(
-    no_args_is_help=True, rich_markup_mode=None, help="Look into the store of kept results."
-)
 app.add_typer(store_app, name="store")
-
-Name = Annotated[str, typer.Argument(metavar="WORKFLOW", help="See `myofilm list`.")]
-Config = Annotated[
-    Path | None,
-    typer.Option(
-        "--config", metavar="FILE.toml", parser=_path, help="Parameters over the paper's."
-    ),
-]
-Settings = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="SECTION.KEY=VALUE",
-        help="One parameter over all others; may be given several times. A text may carry a unit: "
-        'geometry.substrate_thickness="18 um".',
-    ),
-]
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        metavar="DIR",
-        parser=_path,
-        help="Output folder.  [default: results/WORKFLOW; of one stage results/WORKFLOW/STAGE]",
-    ),
-]
-StorePath = Annotated[
-    str | None,
-    typer.Option(
-        "--store",
-        metavar="DIR",
-        parser=_location,
-        envvar="MYOFILM_STORE",
-        help="Where results are kept.  [default: the user's cache folder]",
-    ),
-]
 
 
 @app.callback()
@@ -218,7 +170,7 @@ def verification(
         typer.Option(
             "--out",
             metavar="DIR",
-            parser=_path,
+            parser=path_given,
             help="Output folder.  [default: results/verification/NAME]",
         ),
     ] = None,
@@ -246,7 +198,7 @@ def reproduce(
         typer.Option(
             "--out",
             metavar="DIR",
-            parser=_path,
+            parser=path_given,
             help="Output folder.  [default: results/reproduce/FIGURE]",
         ),
     ] = None,
@@ -259,28 +211,6 @@ def reproduce(
         list_figures()
     else:
         draw(figure, config, settings or [], out, store, **ctx.obj)
-
-
-@store_app.command("ls")
-def store_ls(
-    stage: Annotated[str | None, typer.Argument(help="Only this stage.")] = None,
-    store: StorePath = None,
-) -> None:
-    """List what is kept."""
-    from workflows.store_commands import list_artefacts
-
-    list_artefacts(stage, store)
-
-
-@store_app.command("show")
-def store_show(
-    key: Annotated[str, typer.Argument(help="Key of a result, or its first characters.")],
-    store: StorePath = None,
-) -> None:
-    """Tell everything about one kept result: how it was asked for and how it came about."""
-    from workflows.store_commands import show_artefact
-
-    show_artefact(key, store)
 
 
 def _silence_closed_streams() -> None:

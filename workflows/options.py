@@ -1,0 +1,57 @@
+"""Options that several commands have in common. Only typer is imported here, as in ``cli``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def path_given(text: str | Path) -> Path:
+    """A path; an empty one would mean the current folder, and be an unset shell variable."""
+    if text == "":
+        raise typer.BadParameter("it is empty; give a path, or leave the option out")
+    return Path(text)
+
+
+def location_given(text: str) -> str:
+    """A folder or a URL; not empty, for the same reason."""
+    return str(path_given(text)) if "://" not in text else text
+
+
+Name = Annotated[str, typer.Argument(metavar="WORKFLOW", help="See `myofilm list`.")]
+Config = Annotated[
+    Path | None,
+    typer.Option(
+        "--config", metavar="FILE.toml", parser=path_given, help="Parameters over the paper's."
+    ),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="SECTION.KEY=VALUE",
+        help="One parameter over all others; may be given several times. A text may carry a unit: "
+        'geometry.substrate_thickness="18 um".',
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        parser=path_given,
+        help="Output folder.  [default: results/WORKFLOW; of one stage results/WORKFLOW/STAGE]",
+    ),
+]
+StorePath = Annotated[
+    str | None,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        parser=location_given,
+        envvar="MYOFILM_STORE",
+        help="Where results are kept.  [default: the user's cache folder]",
+    ),
+]
