@@ -8,12 +8,17 @@ import fcntl
 import json
 import os
 import platform
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from pipeline.events import Holder
 
 UNSUPPORTED = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
+
+
+MOMENTS, MOMENT = 10, 0.002
+"""Readers hold a lock for less than these seconds together: whoever they are, nobody waits for them."""
 
 
 @contextlib.contextmanager
@@ -48,18 +53,46 @@ def locked(path: Path, stage: str, on_wait: Callable[[Holder], None]) -> Iterato
         os.close(descriptor)
 
 
-def _acquire(descriptor: int, on_wait: Callable[[Holder], None]) -> bool:
+@contextlib.contextmanager
+def sharing(path: Path) -> Iterator[bool]:
+    """Hold a lock together with other readers, so that nobody can hold it alone; do not wait.
+
+    Yields
+    ------
+    bool
+        ``False`` if somebody holds it alone; ``True`` also where the file system has no locks.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor = os.open(path, os.O_RDONLY | os.O_CREAT, 0o666)
     try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            on_wait(_holder(descriptor))
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield try_lock(descriptor, fcntl.LOCK_SH) is not False
+    finally:
+        os.close(descriptor)
+
+
+def try_lock(descriptor: int, operation: int) -> bool | None:
+    """Lock a file at once or not at all; ``None`` on a file system without locks."""
+    try:
+        fcntl.flock(descriptor, operation | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
     except OSError as error:
         if error.errno not in UNSUPPORTED:
             raise
-        return False
+        return None
     return True
+
+
+def _acquire(descriptor: int, on_wait: Callable[[Holder], None]) -> bool:
+    for _ in range(MOMENTS):
+        exclusive = try_lock(descriptor, fcntl.LOCK_EX)
+        if exclusive is not False:
+            break
+        time.sleep(MOMENT)
+    else:
+        on_wait(_holder(descriptor))
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+    return exclusive is not None
 
 
 def _sign(descriptor: int, holder: Holder | None) -> None:

@@ -12,6 +12,7 @@ Layout of a local store::
 from __future__ import annotations
 
 import contextlib
+import errno
 import heapq
 import json
 import os
@@ -26,10 +27,15 @@ from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.loaded import state
-from pipeline.locks import locked
+from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
+from pipeline.store.labels import RegisteredRun, RunLabel
+from pipeline.store.registers import Registers
 from pipeline.store.workspace import LocalWorkspace
 from pipeline.verification import damaged, full_problems, size_problem
+
+READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
+"""Why a store may not be written to; its results can still be used."""
 
 RECENT_NS = 100_000_000
 """A file as young as this may change again without a change of its modification time."""
@@ -55,6 +61,7 @@ class LocalStore:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path).expanduser().absolute()
         self._written = False
+        self._registers = Registers(self.path / "runs")
         with opening(self.path):
             above = (self.path, *self.path.parents)
             blocking = [p for p in above if p.exists() and not p.is_dir()]
@@ -62,15 +69,90 @@ class LocalStore:
             raise InputError(f"the store must be a folder, but {blocking[0]} is a file")
         self._check_version()
 
-    def find(self, ref: Ref) -> Manifest | None:
+    def begin(self, label: RunLabel) -> None:
+        """Make a run known, before it asks for artefacts under its label."""
+        with self._unless_read_only():
+            self._prepare()
+            self._registers.begin(label)
+            self._written = True
+
+    def finish(self, label: RunLabel, *, keep_earlier: bool = False) -> None:
+        """Note that a run ended well; unless told otherwise, earlier ones of its name are dropped."""
+        with self._unless_read_only():
+            self._registers.finish(label, keep_earlier=keep_earlier)
+
+    def runs(self) -> Iterator[RegisteredRun]:
+        """All runs that the store knows, in no particular order."""
+        with storing(self.path):
+            yield from self._registers.runs()
+
+    def used_by(self, label: RunLabel) -> Iterator[Ref]:
+        """What a run has asked for so far, some of it perhaps twice, or not there."""
+        with storing(self.path):
+            yield from self._registers.refs(label)
+
+    def forget(self, label: RunLabel) -> None:
+        """Remove all that is known of a run, nothing of what it used."""
+        with storing(self.path):
+            self._registers.forget(label)
+
+    def find(self, ref: Ref, label: RunLabel | None = None) -> Manifest | None:
         """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked."""
+        if label is None:
+            return self._find(ref)
+        lock = self.path / "locks" / ref.key
+        with self._unless_read_only():
+            with sharing(lock) as shared:
+                self._registers.add(label, ref)
+                found = self._find(ref)
+                if found is not None:
+                    self._touch(ref)
+            if found is None or shared:
+                return found
+            # It is being removed, or was published just now: see what is there when that is done.
+            with locked(lock, ref.stage, lambda holder: None):
+                return self._find(ref)
+        return self._find(ref)
+
+    def last_used(self, ref: Ref) -> float | None:
+        """When a run found an artefact last, seconds since 1970; ``None`` if none ever did."""
+        try:
+            return (self.path / "usage" / ref.stage / ref.key).stat().st_mtime
+        except OSError:
+            return None
+
+    def _find(self, ref: Ref) -> Manifest | None:
         with storing(self.path):
             present = self._folder(ref).is_dir()
         if not present:
             return None
-        if problems := self.verify(ref):
-            raise damaged(ref, self._folder(ref), problems)
-        return self.manifest(ref)
+        try:
+            if problems := self.verify(ref):
+                raise damaged(ref, self._folder(ref), problems)
+            return self.manifest(ref)
+        except StoreError:
+            if self._folder(ref).is_dir():
+                raise
+            return None  # it was removed just now
+
+    def _touch(self, ref: Ref) -> None:
+        path = self.path / "usage" / ref.stage / ref.key
+        try:
+            os.utime(path)
+        except FileNotFoundError:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+
+    @contextlib.contextmanager
+    def _unless_read_only(self) -> Iterator[None]:
+        """Do the block as far as the store may be written; hits are served in any case."""
+        try:
+            yield
+        except OSError as error:
+            if error.errno in READ_ONLY:
+                return
+            with storing(self.path) if self._written else opening(self.path):
+                raise
 
     def manifest(self, ref: Ref) -> Manifest:
         """Manifest of an artefact that must be there; its files are not looked at.

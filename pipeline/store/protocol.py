@@ -10,6 +10,7 @@ from typing import Protocol
 from pipeline.events import Holder
 from pipeline.keys import Ref
 from pipeline.manifest import Manifest
+from pipeline.store.labels import RegisteredRun, RunLabel
 
 
 class Workspace(Protocol):
@@ -42,14 +43,54 @@ class Workspace(Protocol):
 class Store(Protocol):
     """What the engine needs of a store; ``pipeline.testing.stores`` tests it."""
 
-    def find(self, ref: Ref) -> Manifest | None:
+    def begin(self, label: RunLabel) -> None:
+        """Make a run known and alive, before any of its processes asks for artefacts.
+
+        It stays alive until it is finished or this process ends, however it ends. Beginning it again
+        changes nothing. In a store that may only be read nothing happens.
+        """
+        ...
+
+    def find(self, ref: Ref, label: RunLabel | None = None) -> Manifest | None:
         """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked.
+
+        With the label of a run the artefact is also noted as used now, and registered as one that this
+        run needs, *whether it is there or not*: from then on nobody removes it as long as the run
+        keeps what it needs. So whoever computes it afterwards need not register it again.
 
         Raises
         ------
         StoreError
             If the artefact is damaged.
         """
+        ...
+
+    def finish(self, label: RunLabel, *, keep_earlier: bool = False) -> None:
+        """Note that a run ended well; what earlier runs of its name registered is forgotten.
+
+        Parameters
+        ----------
+        label
+            That the run was begun with.
+        keep_earlier
+            Whether the run was only a part of what its name stands for.
+        """
+        ...
+
+    def runs(self) -> Iterator[RegisteredRun]:
+        """All runs that the store knows, in no particular order."""
+        ...
+
+    def used_by(self, label: RunLabel) -> Iterator[Ref]:
+        """What a run has registered so far, some of it perhaps twice, or not there."""
+        ...
+
+    def forget(self, label: RunLabel) -> None:
+        """Remove all that is known of a run, and nothing of what it used."""
+        ...
+
+    def last_used(self, ref: Ref) -> float | None:
+        """When a run last found an artefact, seconds since 1970; ``None`` if none ever did."""
         ...
 
     def manifest(self, ref: Ref) -> Manifest:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import threading
 import time
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ from pipeline.events import Holder
 from pipeline.fingerprint import Fingerprint
 from pipeline.keys import Ref, Statement
 from pipeline.manifest import Manifest, content_ids, hash_files, whole_content
-from pipeline.store import Store, Workspace
+from pipeline.store import RunLabel, Store, Workspace
 
 
 def example(stage: str = "geometry", gain: float = 1.0) -> Statement:
@@ -192,3 +193,65 @@ class StoreConformance:
             work.begin(resume=False)
             work.publish(_written(work, example(gain=2.0), b"contents"))
         assert list(store.refs()) == [Ref("geometry", example(gain=2.0).key)]
+
+    def test_a_run_is_alive_until_it_is_finished(self, store: Store) -> None:
+        label = RunLabel("one", named=True)
+        store.begin(label)
+        store.begin(label)
+        assert [(run.label, run.alive, run.finished) for run in store.runs()] == [
+            (label, True, None)
+        ]
+        store.finish(label)
+        (run,) = store.runs()
+        assert run.label == label
+        assert not run.alive
+        assert run.finished is not None
+
+    def test_a_run_registers_what_it_asks_for_whether_it_is_there_or_not(
+        self, store: Store
+    ) -> None:
+        label, other = RunLabel("one"), RunLabel("other")
+        for each in (label, other):
+            store.begin(each)
+        there, absent = publish(store, example(gain=1.0)), example(gain=2.0).ref
+        assert store.find(there.ref, label) == there
+        assert store.find(absent, label) is None
+        assert set(store.used_by(label)) == {there.ref, absent}
+        assert list(store.used_by(other)) == []
+
+    def test_finding_an_artefact_for_a_run_is_its_last_use(self, store: Store) -> None:
+        label = RunLabel("one")
+        store.begin(label)
+        ref = publish(store, example()).ref
+        store.find(ref)
+        assert store.last_used(ref) is None
+        store.find(ref, label)
+        used = store.last_used(ref)
+        assert used is not None
+        assert abs(used - time.time()) < 60  # clocks of file servers differ by seconds
+        assert store.last_used(example(gain=2.0).ref) is None
+
+    def test_a_run_that_ends_well_replaces_earlier_ones_of_its_name(self, store: Store) -> None:
+        labels = [RunLabel("one") for _ in range(3)] + [RunLabel("other")]
+        for label in labels:
+            store.begin(label)
+            store.find(example().ref, label)
+            store.finish(label, keep_earlier=label is not labels[2])
+        assert {run.label for run in store.runs()} == {labels[2], labels[3]}
+        assert list(store.used_by(labels[0])) == []
+
+    def test_a_forgotten_run_leaves_nothing(self, store: Store) -> None:
+        label = RunLabel("one")
+        store.begin(label)
+        store.find(example().ref, label)
+        store.finish(label)
+        store.forget(label)
+        assert list(store.runs()) == []
+        assert list(store.used_by(label)) == []
+
+    def test_a_store_in_another_process_registers_for_the_same_run(self, store: Store) -> None:
+        label = RunLabel("one")
+        store.begin(label)
+        copy: Store = pickle.loads(pickle.dumps(store))
+        copy.find(example().ref, pickle.loads(pickle.dumps(label)))
+        assert list(store.used_by(label)) == [example().ref]
