@@ -27,7 +27,7 @@ from pipeline.records import WHOLE
 from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
 from pipeline.threads import one_blas_thread
-from pipeline.verification import damaged
+from pipeline.verification import DamagedError
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def _check_inputs(task: Task, store: Store, error: Exception) -> None:
         with storing(store.data(ref)):
             problems = store.verify(ref, full=True)
         if problems:
-            raise damaged(ref, store.data(ref).parent, problems) from error
+            raise DamagedError(ref, store.data(ref).parent, problems) from error
 
 
 def _failure(stage: str, error: Exception, run: StoreRun) -> StageError:

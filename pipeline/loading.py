@@ -14,7 +14,7 @@ from pipeline.keys import Ref
 from pipeline.manifest import FileEntry, sha256
 from pipeline.records import parts_of
 from pipeline.store import Store
-from pipeline.verification import damaged, wrong_checksum
+from pipeline.verification import DamagedError, wrong_checksum
 
 
 def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -> Any:
@@ -44,7 +44,7 @@ def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -
             if sha256(folder / file.path) != file.sha256
         ]
         if problems:
-            raise damaged(ref, folder.parent, problems)
+            raise DamagedError(ref, folder.parent, problems)
         if part is None:
             return load(folder, record)
         return load_part(folder, part, parts_of(record)[part])

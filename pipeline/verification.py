@@ -7,16 +7,28 @@ from pathlib import Path
 
 from pipeline.errors import StoreError
 from pipeline.keys import Ref
-from pipeline.manifest import FileEntry, Manifest, hash_files
+from pipeline.manifest import FileEntry, Manifest, content_ids, hash_files, whole_content
 
 
-def damaged(ref: Ref, folder: Path, problems: Iterable[str]) -> StoreError:
-    """The error that tells of a damaged artefact."""
-    return StoreError(
-        f"artefact {ref} is damaged ({'; '.join(problems)})",
-        path=folder,
-        remedy="remove this folder; the next run computes the artefact again",
-    )
+class DamagedError(StoreError):
+    """An artefact is not what was published; it is never used.
+
+    Parameters
+    ----------
+    ref, folder
+        The artefact, and where it is.
+    problems
+        What is wrong with it.
+    """
+
+    def __init__(self, ref: Ref, folder: Path, problems: Iterable[str]) -> None:
+        self.ref, self.problems = ref, tuple(problems)
+        super().__init__(
+            f"artefact {ref} is damaged ({'; '.join(self.problems)})",
+            path=folder,
+            remedy="run the same command with --recompute-damaged: it moves damaged artefacts aside "
+            "and computes them again",
+        )
 
 
 def wrong_checksum(path: str) -> str:
@@ -34,7 +46,7 @@ def size_problem(data: Path, file: FileEntry) -> str | None:
 
 
 def full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
-    """Problems of an artefact whose sizes are right: its files, checksums and key."""
+    """Problems of an artefact whose sizes are right: its files, checksums, contents and key."""
     found = {entry.path: entry for entry in hash_files(data)}
     kept = {entry.path: entry for entry in manifest.files}
     yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
@@ -43,3 +55,6 @@ def full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
             yield wrong_checksum(path)
     if manifest.stated_key() != manifest.key:
         yield "its key is not that of its statement"
+    parts = content_ids(manifest.files)
+    if manifest.parts != parts or manifest.content != whole_content(parts):
+        yield "its content ids are not those of its files"

@@ -7,6 +7,7 @@ Layout of a local store::
     tmp/<key>/                                  work of the one process that holds the lock
     locks/<key>
     checkpoints/<key>/state.npz
+    quarantine/<stage>/<key>.<time>/, .json     damaged artefacts, and what was found
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -31,8 +32,9 @@ from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
 from pipeline.store.labels import RegisteredRun, RunLabel
 from pipeline.store.registers import Registers
+from pipeline.store.quarantine import move_aside
 from pipeline.store.workspace import LocalWorkspace
-from pipeline.verification import damaged, full_problems, size_problem
+from pipeline.verification import DamagedError, full_problems, size_problem
 
 READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 """Why a store may not be written to; its results can still be used."""
@@ -122,16 +124,14 @@ class LocalStore:
             return None
 
     def _find(self, ref: Ref) -> Manifest | None:
-        with storing(self.path):
-            present = self._folder(ref).is_dir()
-        if not present:
+        if not self._holds(ref):
             return None
         try:
             if problems := self.verify(ref):
-                raise damaged(ref, self._folder(ref), problems)
+                raise DamagedError(ref, self._folder(ref), problems)
             return self.manifest(ref)
         except StoreError:
-            if self._folder(ref).is_dir():
+            if self._holds(ref):
                 raise
             return None  # it was removed just now
 
@@ -216,6 +216,27 @@ class LocalStore:
                 checkpoint=self.path / "checkpoints" / name / "state.npz",
                 target=self._folder(ref),
             )
+
+    def quarantine(self, ref: Ref, problems: Iterable[str] = ()) -> Path | None:
+        """Move an artefact aside if it is damaged; where it is then, ``None`` if it is not.
+
+        It is verified again, whatever the caller knows: another process may have computed it anew.
+        """
+        with storing(self.path):
+            self._prepare()
+            with locked(self.path / "locks" / ref.key, ref.stage, lambda holder: None):
+                if not self._holds(ref) or not (found := self.verify(ref, full=True)):
+                    return None
+                told = dict.fromkeys([*problems, *found])
+                return move_aside(self._folder(ref), self.path / "quarantine", ref, told)
+
+    def _holds(self, ref: Ref) -> bool:
+        with storing(self.path):
+            try:
+                os.lstat(self._folder(ref))  # whatever it is: a file would be in the way, too
+            except FileNotFoundError:
+                return False
+            return True
 
     def _folder(self, ref: Ref) -> Path:
         return self.path / "objects" / ref.stage / ref.key

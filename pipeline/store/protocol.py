@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Protocol
@@ -111,6 +111,10 @@ class Store(Protocol):
 
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` recomputes every checksum."""
+        ...
+
+    def quarantine(self, ref: Ref, problems: Iterable[str] = ()) -> Path | None:
+        """Move an artefact aside if it is damaged; where it is then, ``None`` if it is not."""
         ...
 
     def writing(

@@ -160,6 +160,21 @@ class StoreConformance:
         (store.data(ref) / "foreign").write_bytes(b"")
         assert store.verify(ref, full=True) == ("foreign does not belong to it",)
 
+    def test_a_damaged_artefact_is_set_aside_and_can_be_published_again(self, store: Store) -> None:
+        manifest = publish(store, example())
+        (store.data(manifest.ref) / "record.h5").write_bytes(b"cont")
+        aside = store.quarantine(manifest.ref, ["seen by a reader"])
+        assert aside is not None
+        assert store.find(manifest.ref) is None
+        assert list(store.refs()) == []
+        assert publish(store, example()) == store.find(manifest.ref)
+
+    def test_a_sound_artefact_is_never_set_aside(self, store: Store) -> None:
+        ref = publish(store, example()).ref
+        assert store.quarantine(ref, ["seen by a reader, repaired since"]) is None
+        assert store.quarantine(example(gain=2.0).ref) is None
+        assert store.verify(ref, full=True) == ()
+
     def test_a_second_writer_waits_and_learns_for_whom(self, store: Store) -> None:
         ref = example().ref
         waits: list[Holder] = []

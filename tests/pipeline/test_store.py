@@ -163,6 +163,41 @@ def test_full_verification_finds_a_forged_statement(store: LocalStore) -> None:
     assert store.verify(ref, full=True) == ("its key is not that of its statement",)
 
 
+def test_full_verification_finds_an_edited_content_id(store: LocalStore) -> None:
+    # It would enter the keys of all that is computed from this artefact.
+    manifest = publish(store, example())
+    path = store.data(manifest.ref).parent / "manifest.json"
+    path.write_text(path.read_text().replace(manifest.content, manifest.content[::-1]))
+    assert store.verify(manifest.ref, full=True) == ("its content ids are not those of its files",)
+
+
+def test_what_is_set_aside_is_kept_whole_with_a_report(store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    (store.data(ref) / "record.h5").write_bytes(b"cont")
+    aside = store.quarantine(ref, ["seen by a reader"])
+    assert aside is not None
+    assert aside.parent == store.path / "quarantine" / "geometry"
+    assert (aside / "data" / "record.h5").read_bytes() == b"cont"
+    report = json.loads(aside.with_name(f"{aside.name}.json").read_text())
+    assert report["artefact"] == str(ref)
+    assert report["problems"] == ["seen by a reader", "record.h5 has 4 bytes instead of 8"]
+
+
+@pytest.mark.parametrize("debris", ["file", "empty folder"])
+def test_what_lies_in_the_place_of_an_artefact_is_told_before_anything_is_computed(
+    debris: str, store: LocalStore
+) -> None:
+    # Otherwise the rename at the end of a long computation would fail on it.
+    ref = example().ref
+    place = store.data(ref).parent
+    place.parent.mkdir(parents=True)
+    place.mkdir() if debris == "empty folder" else place.write_bytes(b"")
+    with pytest.raises(StoreError, match="is damaged"):
+        store.find(ref)
+    assert store.quarantine(ref) is not None
+    assert publish(store, example()) == store.find(ref)
+
+
 @pytest.mark.parametrize(
     ("code", "message"),
     [(errno.ENOSPC, "no space left"), (errno.EACCES, "no permission"), (errno.EIO, "cannot be")],
