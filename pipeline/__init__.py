@@ -3,8 +3,9 @@
 Where things are:
 
 - ``nodes`` (``stage``, ``Node``), ``runs`` (what a running stage may ask), ``records``, ``annotations``
-- ``canonical``, ``fingerprint``, ``keys``: what makes two results the same
-- ``loaded``, ``freshness``: whether the code in memory is the code that a key states
+- ``canonical``, ``fingerprint`` (``syntax``, ``sources``, ``source_cache``), ``keys``: what makes two results
+  the same
+- ``loaded``, ``contents``, ``freshness``: whether the code in memory is the code that a key states
 - ``store``, ``manifest``, ``verification``, ``locks``, ``durable``, ``codecs``, ``loading``: how results
   are kept and read
 - ``plan``, ``reasons``: what would run, and why

@@ -15,7 +15,6 @@ from pipeline.codecs import save
 from pipeline.durable import remove_tree, storing
 from pipeline.errors import MyofilmError, StageError, StoreError
 from pipeline.events import Listener, StageFailed, StageFinished, StageStarted, StageStopping
-from pipeline.fingerprint import locate
 from pipeline.freshness import check_loaded
 from pipeline.interrupts import deferred_interrupts
 from pipeline.keys import Ref, Statement
@@ -24,6 +23,7 @@ from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, who
 from pipeline.nodes import Node, source_node
 from pipeline.provenance import environment
 from pipeline.records import WHOLE
+from pipeline.sources import locate
 from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
 from pipeline.threads import one_blas_thread

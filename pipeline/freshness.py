@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 
 from pipeline.errors import StageError
-from pipeline.fingerprint import Fingerprint, known_source, locate
-from pipeline.loaded import loaded_state
+from pipeline.fingerprint import Fingerprint
+from pipeline.loaded import loaded_content
+from pipeline.sources import Sources, known_source
 
 NAMED = 3
 """Modules that a message names; another branch checked out may change dozens."""
@@ -20,7 +21,8 @@ def check_loaded(stage: str, code: Fingerprint) -> None:
     StageError
         Naming the modules.
     """
-    edited = [name for name in (*code.modules, *code.bare) if not _is_stated(name, code)]
+    sources = Sources()
+    edited = [n for n in (*code.modules, *code.bare) if not _is_stated(n, code, sources)]
     if edited:
         more = f" and {len(edited) - NAMED} more" if len(edited) > NAMED else ""
         raise StageError(
@@ -31,12 +33,15 @@ def check_loaded(stage: str, code: Fingerprint) -> None:
         )
 
 
-def _is_stated(name: str, code: Fingerprint) -> bool:
+def _is_stated(name: str, code: Fingerprint, sources: Sources) -> bool:
     """Whether a module has the digest that is stated; what is not loaded cannot differ."""
     if name not in sys.modules:
         return True
-    path = locate(name)
+    path = sources.locate(name)
     if path is None:  # removed since
         return False
-    source = known_source(path, name, loaded_state(name, path))
+    content = loaded_content(name, path)
+    if content is None:
+        return False
+    source = sources.read(name) if sources.content(name) == content else known_source(content)
     return source is not None and source.digest == code.modules.get(name)

@@ -1,6 +1,6 @@
-"""Which state of its source file each module in memory was loaded from.
+"""Which contents of its source file each module in memory was loaded from.
 
-Python runs what it has read, whatever is saved afterwards. So the state of a file is noted when its
+Python runs what it has read, whatever is saved afterwards. So a digest of the contents is noted when a
 module is about to be loaded. Installed libraries are left out: their versions are recorded instead.
 """
 
@@ -10,23 +10,20 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 from importlib.machinery import PathFinder
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import Any
 
-State: TypeAlias = tuple[int, int]
-"""Modification time in nanoseconds, and size, of a file."""
+from pipeline.contents import content_id
 
-_LOADED: dict[str, State] = {}
-
-
-def state(path: str | os.PathLike[str]) -> State:
-    """Present state of a file."""
-    status = os.stat(path)
-    return status.st_mtime_ns, status.st_size
+_LOADED: dict[str, str] = {}
+"""Content id by the name of the module."""
 
 
-def loaded_state(name: str, path: os.PathLike[str]) -> State:
-    """State from which a module in memory was loaded; the present one if nothing else is known."""
-    return _LOADED.setdefault(name, state(path))
+def loaded_content(name: str, path: Path) -> str | None:
+    """Content id of what a module in memory was loaded from; of the present file if nothing is known."""
+    if name not in _LOADED:
+        _note(name, [str(path)], everywhere=True)
+    return _LOADED.get(name)
 
 
 def watch() -> None:
@@ -55,15 +52,16 @@ def _candidates(folders: Iterable[str], name: str) -> Iterator[str]:
         yield os.path.join(folder, f"{name}.py")
 
 
-def _note(name: str, files: Iterable[str]) -> None:
-    """Note the state of the first of some files that exists."""
+def _note(name: str, files: Iterable[str], *, everywhere: bool = False) -> None:
+    """Note the contents of the first of some files that exists."""
     if name.partition(".")[0] in sys.stdlib_module_names and name != "__main__":
         return
     for file in files:
-        if f"-packages{os.sep}" in file or not file.endswith(".py"):
+        if not file.endswith(".py") or (f"-packages{os.sep}" in file and not everywhere):
             return
         try:
-            _LOADED[name] = state(file)
+            with open(file, "rb") as source:
+                _LOADED[name] = content_id(source.read(), name, file)
         except OSError:
             continue
         return

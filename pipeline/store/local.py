@@ -23,16 +23,16 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
+from pipeline.contents import state
 from pipeline.durable import opening, storing, write_atomically
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
-from pipeline.loaded import state
 from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
 from pipeline.store.labels import RegisteredRun, RunLabel
-from pipeline.store.registers import Registers
 from pipeline.store.quarantine import move_aside
+from pipeline.store.registers import Registers
 from pipeline.store.workspace import LocalWorkspace
 from pipeline.verification import DamagedError, full_problems, size_problem
 
