@@ -13,6 +13,7 @@ from typing import Any
 
 from pipeline.canonical import Canonical, digest
 from pipeline.keys import SCHEMA, Ref, key_of
+from pipeline.seals import BLANK, is_sealed, sealed
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,10 @@ class Manifest:
         return key_of(self.stage, self.config, self.code, inputs, self.schema)
 
     def to_json(self) -> bytes:
-        """Readable JSON."""
-        return json.dumps(dataclasses.asdict(self), indent=1, ensure_ascii=False).encode()
+        """Readable JSON, sealed; the seal is among the environment, where any version reads past it."""
+        fields = dataclasses.asdict(self)
+        fields["environment"] = {"seal": BLANK, **fields["environment"]}
+        return sealed(json.dumps(fields, indent=1, ensure_ascii=False).encode())
 
     @classmethod
     def from_json(cls, text: bytes) -> Manifest:
@@ -108,10 +111,15 @@ class Manifest:
         Raises
         ------
         ValueError
-            If the text is not a manifest.
+            If the text is not a manifest, or not as it was written. Earlier versions wrote no seals.
         """
         try:
             data = json.loads(text)
+            seal = data["environment"].pop("seal", None)
+            if seal is not None and not is_sealed(text, seal):
+                raise ValueError("it was edited after it had been written")
+            if data["schema"] > SCHEMA:
+                raise ValueError(f"its schema is {data['schema']}, known are those up to {SCHEMA}")
             data["files"] = tuple(FileEntry(**entry) for entry in data["files"])
             data["inputs"] = {role: InputEntry(**e) for role, e in data["inputs"].items()}
             data["warnings"] = tuple(data["warnings"])

@@ -252,8 +252,15 @@ class LocalStore:
         try:
             with opening(about):
                 version = json.loads(about.read_bytes())["version"] if about.exists() else SCHEMA
+            if type(version) is not int or version < 1:
+                raise ValueError(f"version {version!r}")
         except (ValueError, KeyError, TypeError) as error:
-            raise StoreError("unreadable description of the store", path=about) from error
+            raise StoreError(
+                f"unreadable description of the store ({error})",
+                path=about,
+                remedy=f'if everything in it is of this version, write {{"version": {SCHEMA}}} into '
+                "this file; otherwise choose another store with --store",
+            ) from error
         if version > SCHEMA:
             raise InputError(
                 f"the store {self.path} has layout version {version}; this program knows versions "

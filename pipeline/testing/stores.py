@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import pickle
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -53,6 +55,13 @@ def publish(store: Store, statement: Statement, contents: bytes = b"contents") -
         manifest = _written(work, statement, contents)
         work.publish(manifest)
     return manifest
+
+
+def forge(store: Store, ref: Ref, **changes: Any) -> None:
+    """Replace the manifest of a kept artefact by one with other fields, sealed as a true one is."""
+    path = store.data(ref).parent / "manifest.json"
+    manifest = dataclasses.replace(store.manifest(ref), **changes)
+    path.write_bytes(manifest.to_json())
 
 
 def _written(work: Workspace, statement: Statement, contents: bytes) -> Manifest:

@@ -25,6 +25,7 @@ from pipeline.nodes import Node, StageRun, source_node, stage
 from pipeline.runner import run
 from pipeline.store import LocalStore
 from pipeline.testing import interrupted_and_resumed
+from pipeline.testing.stores import forge
 from tests.pipeline import toy
 
 
@@ -376,9 +377,9 @@ def test_a_hit_computed_with_other_library_versions_is_told(
 ) -> None:
     node = toy.mesh(toy.MeshConfig())
     ref = run({"mesh": node}, store)["mesh"].manifest.ref
-    path = store.data(ref).parent / "manifest.json"
-    installed = store.manifest(ref).environment["versions"]["scipy"]
-    path.write_text(path.read_text().replace(f'"scipy": "{installed}"', '"scipy": "0.1"'))
+    about = store.manifest(ref).environment
+    installed = about["versions"]["scipy"]
+    forge(store, ref, environment={**about, "versions": {**about["versions"], "scipy": "0.1"}})
     run({"mesh": node}, store, listen=events.append)
     assert [event.message for event in events if isinstance(event, StageWarned)] == [
         f"the stored result is of scipy 0.1 (installed: {installed})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import errno
 import fcntl
 import json
@@ -20,7 +21,7 @@ from pipeline.errors import InputError, StoreError
 from pipeline.keys import SCHEMA
 from pipeline.runner import run
 from pipeline.store import LocalStore
-from pipeline.testing.stores import StoreConformance, example, publish
+from pipeline.testing.stores import StoreConformance, example, forge, publish
 from tests.pipeline import toy
 
 
@@ -126,9 +127,12 @@ def test_a_store_of_a_newer_version_is_bad_input(store: LocalStore) -> None:
         LocalStore(store.path)
 
 
-def test_a_store_with_an_unreadable_description_is_refused(store: LocalStore) -> None:
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "{}", '{"version": "1"}', '{"version": null}', '{"version": 0}']
+)
+def test_a_store_with_an_unreadable_description_is_refused(text: str, store: LocalStore) -> None:
     publish(store, example())
-    (store.path / "store.json").write_text("{")
+    (store.path / "store.json").write_text(text)
     with pytest.raises(StoreError, match=r"store\.json"):
         LocalStore(store.path)
 
@@ -152,22 +156,54 @@ def test_a_manifest_is_read_again_only_after_it_changed(
     with monkeypatch.context() as patch:
         patch.setattr(Path, "read_bytes", None)
         assert store.manifest(ref) is first
-    path.write_text(path.read_text().replace('"seconds": 1.5', '"seconds": 2.5'))
+    forge(store, ref, seconds=2.5)
     assert store.manifest(ref).seconds == 2.5
+
+
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [
+        ('"seconds": 1.5', '"seconds": 0.5'),  # what it cost
+        ('"gain": 1.0', '"gain": 2.0'),  # what was asked
+        ('"size": 8', '"size":  8'),  # nothing at all
+        ('"seal": "', '"seal": "f'),
+    ],
+)
+def test_an_edited_manifest_is_never_used(was: str, now: str, store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    path = store.data(ref).parent / "manifest.json"
+    text = path.read_text()
+    assert was in text
+    path.write_text(text.replace(was, now))
+    with pytest.raises(StoreError, match="edited after it had been written"):
+        store.find(ref)
+
+
+def test_a_manifest_without_a_seal_is_read(store: LocalStore) -> None:
+    # Those of version 0.1.0 have none.
+    manifest = publish(store, example())
+    path = store.data(manifest.ref).parent / "manifest.json"
+    path.write_text(json.dumps(dataclasses.asdict(manifest)))
+    assert store.find(manifest.ref) == manifest
+
+
+def test_a_manifest_of_a_newer_version_is_told_to_be_one(store: LocalStore) -> None:
+    ref = publish(store, example()).ref
+    forge(store, ref, schema=SCHEMA + 1)
+    with pytest.raises(StoreError, match=rf"its schema is {SCHEMA + 1}, known are those up to"):
+        store.find(ref)
 
 
 def test_full_verification_finds_a_forged_statement(store: LocalStore) -> None:
     ref = publish(store, example()).ref
-    path = store.data(ref).parent / "manifest.json"
-    path.write_text(path.read_text().replace('"gain": 1.0', '"gain": 2.0'))
+    forge(store, ref, config={"gain": 2.0})
     assert store.verify(ref, full=True) == ("its key is not that of its statement",)
 
 
 def test_full_verification_finds_an_edited_content_id(store: LocalStore) -> None:
     # It would enter the keys of all that is computed from this artefact.
     manifest = publish(store, example())
-    path = store.data(manifest.ref).parent / "manifest.json"
-    path.write_text(path.read_text().replace(manifest.content, manifest.content[::-1]))
+    forge(store, manifest.ref, content=manifest.content[::-1])
     assert store.verify(manifest.ref, full=True) == ("its content ids are not those of its files",)
 
 
