@@ -14,7 +14,7 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
@@ -95,6 +95,25 @@ def alternatives(hint: Any) -> tuple[Any, ...]:
     >>> alternatives(float | None)
     (<class 'float'>, <class 'NoneType'>)
     """
+    return _remembered(_alternatives, hint)
+
+
+def item_hints(hint: Any, place: int | str) -> Any:
+    """Declared type of the item at an index or key of a container declared as ``hint``."""
+    # All keys of a mapping are declared alike.
+    return _remembered(_item_hints, hint, "" if isinstance(place, str) else place)
+
+
+def _remembered(function: Any, *arguments: Any) -> Any:
+    """What a cached function gives, also for annotations that cannot be hashed."""
+    try:
+        return function(*arguments)
+    except TypeError:
+        return function.__wrapped__(*arguments)
+
+
+@lru_cache(maxsize=1024)
+def _alternatives(hint: Any) -> tuple[Any, ...]:
     hint = getattr(hint, "__value__", hint)
     if get_origin(hint) is Annotated:
         return alternatives(get_args(hint)[0])
@@ -103,8 +122,8 @@ def alternatives(hint: Any) -> tuple[Any, ...]:
     return (hint,)
 
 
-def item_hints(hint: Any, place: int | str) -> Any:
-    """Declared type of the item at an index or key of a container declared as ``hint``."""
+@lru_cache(maxsize=1024)
+def _item_hints(hint: Any, place: int | str) -> Any:
     found = tuple(
         one for member in alternatives(hint) for one in _items(member, place) if one is not Any
     )

@@ -12,7 +12,8 @@ import dataclasses
 import hashlib
 import math
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, TypeAlias
 
 from pipeline.annotations import alternatives, field_hints, item_hints
@@ -40,8 +41,14 @@ def digest(value: Any) -> str:
     >>> len({digest(1), digest(1.0), digest(True), digest("1")})
     4
     """
-    encoded = b"".join(_encode(canonical(value)))
-    return hashlib.blake2b(encoded, digest_size=DIGEST_BYTES).hexdigest()
+    return canonical_digest(canonical(value))
+
+
+def canonical_digest(value: Canonical) -> str:
+    """The same digest of a value that is in canonical form already."""
+    parts: list[bytes] = []
+    _encode(value, parts)
+    return hashlib.blake2b(b"".join(parts), digest_size=DIGEST_BYTES).hexdigest()
 
 
 def canonical(value: Any, hint: Any = Any, path: str = "") -> Canonical:
@@ -67,29 +74,28 @@ def canonical(value: Any, hint: Any = Any, path: str = "") -> Canonical:
     ValueError
         For NaN and infinite numbers.
     """
-    if is_structure(value):
-        return {
-            name: canonical(item, item_hint, f"{path}.{name}".lstrip("."))
-            for name, item, item_hint in keyed_fields(value)
-        }
-    if isinstance(value, Mapping):
-        return {
-            _text(key, path): canonical(item, item_hints(hint, key), f"{path}.{key}".lstrip("."))
-            for key, item in value.items()
-        }
-    if isinstance(value, list | tuple):
-        return [
-            canonical(item, item_hints(hint, i), f"{path}.{i}".lstrip("."))
-            for i, item in enumerate(value)
-        ]
-    return _scalar(value, hint, path)
+    try:
+        return _canonical(value, hint)
+    except _Refused as refused:
+        place = ".".join(filter(None, (path, *reversed(refused.path))))
+        raise refused.kind(f"{place or 'value'} {refused.words}") from None
+
+
+class _Refused(Exception):  # noqa: N818 - never leaves this module
+    """What is wrong with a value; ``path`` grows on the way up, so that it costs nothing otherwise."""
+
+    def __init__(self, kind: type[Exception], words: str) -> None:
+        self.kind, self.words, self.path = kind, words, list[str]()
 
 
 def is_structure(value: Any) -> bool:
     """Whether a value is a pydantic model or a dataclass instance."""
-    return not isinstance(value, type) and (
-        dataclasses.is_dataclass(value) or hasattr(type(value), "model_fields")
-    )
+    return not isinstance(value, type) and _is_structure_type(type(value))  # type: ignore[arg-type]  # every class is hashable
+
+
+@cache
+def _is_structure_type(kind: Any) -> bool:
+    return dataclasses.is_dataclass(kind) or hasattr(kind, "model_fields")
 
 
 def keyed_fields(structure: Any) -> Iterator[tuple[str, Any, Any]]:
@@ -98,9 +104,14 @@ def keyed_fields(structure: Any) -> Iterator[tuple[str, Any, Any]]:
     A field opts out by ``json_schema_extra={"keyed": False}`` (pydantic) or
     ``metadata={"keyed": False}`` (dataclass).
     """
-    for name, hint, extra in field_hints(type(structure)):
-        if extra.get("keyed", True):
-            yield name, getattr(structure, name), hint
+    for name, hint in _keyed_names(type(structure)):  # type: ignore[arg-type]
+        yield name, getattr(structure, name), hint
+
+
+@cache
+def _keyed_names(structure: Any) -> tuple[tuple[str, Any], ...]:
+    fields = field_hints(structure)
+    return tuple((name, hint) for name, hint, extra in fields if extra.get("keyed", True))
 
 
 def leaves(value: Canonical, path: str = "") -> Iterator[tuple[str, Canonical]]:
@@ -121,56 +132,88 @@ def leaves(value: Canonical, path: str = "") -> Iterator[tuple[str, Canonical]]:
         yield path, value
 
 
-def _scalar(value: Any, hint: Any, path: str) -> Canonical:
-    if type(value).__module__ == "numpy" and getattr(value, "ndim", None) == 0:
+def _canonical(value: Any, hint: Any) -> Canonical:
+    kind = type(value)
+    if kind is float or kind is str or kind is bool or kind is int or value is None:
+        return _scalar(value, hint)
+    place: Any = ""
+    try:
+        if is_structure(value):
+            fields: dict[str, Canonical] = {}
+            for place, item, item_hint in keyed_fields(value):
+                fields[place] = _canonical(item, item_hint)
+            return fields
+        if isinstance(value, Mapping):
+            entries: dict[str, Canonical] = {}
+            item_hint = item_hints(hint, "")
+            for name, item in value.items():
+                place = ""
+                place = _text(name) if type(name) is str else _refuse_name(name)
+                entries[place] = _canonical(item, item_hint)
+            return entries
+        if isinstance(value, list | tuple):
+            items: list[Canonical] = []
+            for place, item in enumerate(value):
+                items.append(_canonical(item, item_hints(hint, place)))
+            return items
+    except _Refused as refused:
+        refused.path.append(str(place))
+        raise
+    if kind.__module__ == "numpy" and getattr(value, "ndim", None) == 0:
         value = value.item()
-    if value is None or isinstance(value, bool):
-        return value
-    if type(value) is int:
-        declared = alternatives(hint)
-        return float(value) if float in declared and int not in declared else value
-    if type(value) is float:
+    return _scalar(value, hint)
+
+
+def _scalar(value: Any, hint: Any) -> Canonical:
+    kind = type(value)
+    if kind is float:
         if not math.isfinite(value):
-            raise ValueError(f"{path or 'value'} is {value}; a key needs finite numbers")
-        return value + 0.0  # -0.0 becomes 0.0
-    if type(value) is str:
-        return _text(value, path)
-    raise TypeError(f"{path or 'value'} is of type {type(value).__name__}, which has no key")
+            raise _Refused(ValueError, f"is {value}; a key needs finite numbers")
+        return float(value + 0.0)  # -0.0 becomes 0.0
+    if kind is str:
+        return _text(value)
+    if kind is int:
+        declared = alternatives(hint)
+        return float(value) if float in declared and int not in declared else int(value)
+    if value is None or value is True or value is False:
+        return value
+    raise _Refused(TypeError, f"is of type {kind.__name__}, which has no key")
 
 
-def _text(value: Any, path: str) -> str:
-    if type(value) is not str:
-        raise TypeError(f"{path or 'value'} has the key {value!r}; only strings name entries")
+def _text(value: str) -> str:
     try:
         value.encode()
     except UnicodeEncodeError as error:
-        raise ValueError(f"{path or 'value'} is not valid Unicode text: {value!r}") from error
+        raise _Refused(ValueError, f"is not valid Unicode text: {value!r}") from error
     return value
 
 
-def _encode(value: Canonical) -> Iterator[bytes]:
+def _refuse_name(name: object) -> str:
+    raise _Refused(TypeError, f"has the key {name!r}; only strings name entries")
+
+
+def _encode(value: Canonical, parts: list[bytes]) -> None:
     """Unambiguous bytes: a type tag, then a fixed width, or a length and the contents."""
     if value is None:
-        yield b"n"
+        parts.append(b"n")
     elif isinstance(value, bool):
-        yield b"b1" if value else b"b0"
+        parts.append(b"b1" if value else b"b0")
     elif isinstance(value, int):
-        yield from _sized(b"i", str(value).encode())
+        parts.append(_sized(b"i", str(value).encode()))
     elif isinstance(value, float):
-        yield b"f" + struct.pack(">d", value)
+        parts.append(b"f" + struct.pack(">d", value))
     elif isinstance(value, str):
-        yield from _sized(b"s", value.encode())
-    elif isinstance(value, Sequence):
-        yield b"l%d:" % len(value)
+        parts.append(_sized(b"s", value.encode()))
+    elif isinstance(value, list):
+        parts.append(b"l%d:" % len(value))
         for item in value:
-            yield from _encode(item)
+            _encode(item, parts)
     else:
-        yield b"d%d:" % len(value)
+        parts.append(b"d%d:" % len(value))
         for key in sorted(value):
-            yield from _sized(b"s", key.encode())
-            yield from _encode(value[key])
+            parts.append(_sized(b"s", key.encode()))
+            _encode(value[key], parts)
 
 
-def _sized(tag: bytes, contents: bytes) -> Iterator[bytes]:
-    yield tag + b"%d:" % len(contents)
-    yield contents
+def _sized(tag: bytes, contents: bytes) -> bytes:
+    return b"%s%d:%s" % (tag, len(contents), contents)

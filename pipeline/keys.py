@@ -12,8 +12,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from pipeline.canonical import Canonical, canonical, digest, is_structure, keyed_fields
+from pipeline.canonical import (
+    Canonical,
+    canonical,
+    canonical_digest,
+    is_structure,
+    keyed_fields,
+)
 from pipeline.fingerprint import Fingerprint, fingerprint
+from pipeline.sources import Sources
 
 SCHEMA = 1
 """Version of the store's layout and of the meaning of a key; part of every key.
@@ -82,7 +89,7 @@ def key_of(
     stage: str, config: Canonical, code: str, inputs: Mapping[str, str], schema: int = SCHEMA
 ) -> str:
     """Key of a result from the parts of its statement."""
-    return digest(
+    return canonical_digest(
         {"schema": schema, "stage": stage, "config": config, "code": code, "inputs": dict(inputs)}
     )
 
@@ -92,10 +99,13 @@ def statement(stage: str, config: Any, code: Fingerprint, inputs: Mapping[str, s
     return Statement(stage, canonical(config), code, dict(inputs))
 
 
-def code_of(module: str, config: Any) -> Fingerprint:
-    """Fingerprint of a stage's module and of the modules that define the models in its config."""
+def code_of(module: str, config: Any, sources: Sources | None = None) -> Fingerprint:
+    """Fingerprint of a stage's module and of the modules that define the models in its config.
+
+    Without ``sources``, which hold files as they were read before, as the files are now.
+    """
     roots = {module, *(m for m in config_modules(config) if m.partition(".")[0] != ENGINE)}
-    return fingerprint(roots, _packages(roots))
+    return fingerprint(roots, _packages(roots), sources)
 
 
 def config_modules(config: Any) -> Iterator[str]:
