@@ -6,6 +6,7 @@ An error gives the fact with its numbers, the place, and the remedy.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 
 class MyofilmError(Exception):
@@ -18,6 +19,16 @@ class MyofilmError(Exception):
     """
 
     exit_code = 1
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """All of it reaches another process: class, message, and what the subclass keeps."""
+        return _rebuilt, (type(self), self.args), self.__dict__
+
+
+def _rebuilt(cls: type[MyofilmError], args: tuple[Any, ...]) -> MyofilmError:
+    error = cls.__new__(cls)
+    error.args = args
+    return error
 
 
 class InputError(MyofilmError):

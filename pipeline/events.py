@@ -112,6 +112,14 @@ class StageFailed:
     message: str
 
 
+@dataclass(frozen=True)
+class CaseEvent:
+    """What happens in one case of several."""
+
+    case: str
+    event: Event
+
+
 Event: TypeAlias = (
     StageHit
     | StageWaiting
@@ -122,6 +130,7 @@ Event: TypeAlias = (
     | StageStopping
     | StageFinished
     | StageFailed
+    | CaseEvent
 )
 
 Listener: TypeAlias = Callable[[Event], None]

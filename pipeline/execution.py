@@ -7,7 +7,6 @@ import datetime
 import resource
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,33 +18,26 @@ from pipeline.freshness import check_loaded
 from pipeline.interrupts import deferred_interrupts
 from pipeline.keys import Ref, Statement
 from pipeline.loading import load_result
-from pipeline.manifest import InputEntry, Manifest, content_ids, hash_files, whole_content
-from pipeline.nodes import Node, source_node
+from pipeline.manifest import Manifest, content_ids, hash_files, whole_content
 from pipeline.provenance import environment
 from pipeline.records import WHOLE
 from pipeline.sources import locate
 from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
+from pipeline.task import Task
 from pipeline.threads import one_blas_thread
 from pipeline.verification import DamagedError
 
 
-@dataclass(frozen=True)
-class Task:
-    """One node with everything that computing it takes."""
-
-    name: str
-    node: Node[Any]
-    statement: Statement
-    inputs: Mapping[str, InputEntry]
-    expected_seconds: float | None = None
-    waited_seconds: float = 0.0
-
-
 def execute(
-    task: Task, store: Store, work: Workspace, listen: Listener, checkpoint_interval: float
+    task: Task,
+    store: Store,
+    work: Workspace,
+    listen: Listener,
+    checkpoint_interval: float,
+    waited_seconds: float = 0.0,
 ) -> Manifest:
-    """Compute, write and publish an artefact.
+    """Compute, write and publish an artefact, under a lock that was waited for.
 
     Raises
     ------
@@ -56,11 +48,12 @@ def execute(
     Stopped
         After publishing, if a signal to stop came after the last checkpoint.
     """
-    stage, key, code = task.node.stage, task.statement.key, task.statement.code
+    stage, key, stated = task.stage, task.key, task.statement()
+    code = stated.code
     check_loaded(stage.name, code)
     started = _now()
     run = StoreRun(
-        task.name, stage.name, key, code, task.node.record, work, listen, checkpoint_interval
+        task.name, stage.name, key, code, stage.signature.record, work, listen, checkpoint_interval
     )
     resumed = run.resumed_frames
     listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
@@ -68,7 +61,7 @@ def execute(
         inputs = {role: _load(task, role, store) for role in task.inputs}
         _compute(task, inputs, run, store)
         check_loaded(stage.name, code)  # again: modules may have been loaded on the way
-        manifest = _manifest(task, run, started)
+        manifest = _manifest(task, stated, run, started, waited_seconds)
         work.publish(manifest)
     except BaseException as error:
         if not work.checkpoint.exists() and getattr(error, "kept", None) is None:
@@ -80,17 +73,19 @@ def execute(
     return manifest
 
 
-def _manifest(task: Task, run: StoreRun, started: str) -> Manifest:
+def _manifest(
+    task: Task, stated: Statement, run: StoreRun, started: str, waited_seconds: float
+) -> Manifest:
     with storing(run.work.data):
         files = hash_files(run.work.data)
     parts = content_ids(files)
-    module = task.node.stage.module
+    circumstances = {"argv": list(task.argv), "lock_wait_seconds": waited_seconds}
     return Manifest(
-        stage=task.node.stage.name,
-        key=task.statement.key,
-        config=task.statement.config,
-        code=task.statement.code.digest,
-        modules=task.statement.code.modules,
+        stage=stated.stage,
+        key=task.key,
+        config=stated.config,
+        code=stated.code.digest,
+        modules=stated.code.modules,
         inputs=task.inputs,
         files=files,
         parts=parts,
@@ -100,27 +95,27 @@ def _manifest(task: Task, run: StoreRun, started: str) -> Manifest:
         peak_memory=_peak_memory(),
         started=started,
         finished=_now(),
-        environment=environment(locate(module)) | {"lock_wait_seconds": task.waited_seconds},
+        environment=environment(locate(task.stage.module)) | circumstances,
         warnings=tuple(run.warnings),
         notes=run.notes,
     )
 
 
 def _load(task: Task, role: str, store: Store) -> Any:
-    entry, node = task.inputs[role], source_node(task.node.inputs[role])
-    return load_result(store, Ref(entry.stage, entry.key), node.record, entry.part)
+    entry = task.inputs[role]
+    return load_result(store, Ref(entry.stage, entry.key), task.records[role], entry.part)
 
 
 def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun, store: Store) -> None:
     """Run the stage and write what it returns."""
-    stage, declared = task.node.stage, task.node.record
+    stage, declared = task.stage, task.stage.signature.record
     stopping = StageStopping(task.name, stage.name)
     try:
         with (
             deferred_interrupts(lambda: run.emit(stopping)) as run.interrupts,
             one_blas_thread(),
         ):
-            record = stage.compute(task.node.config, run=run, **inputs)
+            record = stage.compute(task.config, run=run, **inputs)
         if type(record) is not declared:
             raise TypeError(f"it returned a {type(record).__name__}, not a {declared.__name__}")
         with storing(run.work.data):

@@ -33,6 +33,9 @@ class Stopped(KeyboardInterrupt):
         self.exit_code = 128 + number
         super().__init__(signal.Signals(number).name)
 
+    def __reduce__(self) -> tuple[type[Stopped], tuple[int]]:
+        return Stopped, (self.exit_code - 128,)
+
 
 class Interrupts:
     """Whether the user or the system asked to stop, and whether that can wait for a checkpoint.
