@@ -9,8 +9,8 @@ Where things are:
 - ``store``, ``manifest``, ``verification``, ``locks``, ``durable``, ``codecs``, ``loading``: how results
   are kept and read
 - ``plan``, ``reasons``: what would run, and why
-- ``runner``, ``sweep``, ``cases``, ``outcome``: one run or many cases, node by node; ``executors``:
-  where they run
+- ``runner``, ``sweep``, ``cases``, ``scheduling``, ``outcome``: one run or many cases, node by node;
+  ``executors``: where they run
 - ``task``, ``obtaining``, ``execution``, ``storerun``, ``streams``, ``frames``, ``checkpoints``,
   ``interrupts``: how a stage runs, streams and resumes
 - ``config``: tables, overrides and units to one validated configuration

@@ -12,6 +12,7 @@ from pipeline.manifest import InputEntry, Manifest
 from pipeline.provenance import version_changes
 from pipeline.reasons import nearest
 from pipeline.store import Store
+from pipeline.store.labels import RunLabel
 from pipeline.task import Task
 
 CHECKPOINT_INTERVAL = 5.0
@@ -29,9 +30,12 @@ class Policy:
     ----------
     checkpoint_interval
         Seconds between two checkpoints of a stage that makes them.
+    label
+        Run that registers what it uses with the store, so that nobody removes it.
     """
 
     checkpoint_interval: float = CHECKPOINT_INTERVAL
+    label: RunLabel | None = None
 
 
 @dataclass(frozen=True)
@@ -65,15 +69,19 @@ class Obtained:
         return InputEntry(self.stage, self.key, part, content)
 
 
-def look(name: str, ref: Ref, store: Store, policy: Policy, tell: Listener) -> Obtained | None:
+def look(
+    name: str, ref: Ref, store: Store, tell: Listener, label: RunLabel | None = None
+) -> Obtained | None:
     """A result that is in the store, told as a hit; ``None`` if it is not there.
+
+    With the label of a run it is registered as one that the run needs, whether it is there or not.
 
     Raises
     ------
     StoreError
         If it is damaged.
     """
-    manifest = store.find(ref)
+    manifest = store.find(ref, label)
     if manifest is None:
         return None
     tell(StageHit(name, ref.stage, ref.key))
@@ -97,13 +105,13 @@ def obtain(task: Task, store: Store, policy: Policy, *, tell: Listener) -> Obtai
         If a signal or the executor asked to stop.
     """
     ref = task.ref
-    if (found := look(task.name, ref, store, policy, tell)) is not None:
+    if (found := look(task.name, ref, store, tell)) is not None:
         return found
     began = time.perf_counter()
     waiting = lambda holder: tell(StageWaiting(task.name, ref.stage, ref.key, holder))  # noqa: E731
     with store.writing(ref, waiting) as work:
         waited = time.perf_counter() - began
-        found = look(task.name, ref, store, policy, tell)
+        found = look(task.name, ref, store, tell)
         if found is None:
             from pipeline.execution import execute
 

@@ -12,6 +12,7 @@ from pipeline.nodes import Node
 from pipeline.obtaining import CHECKPOINT_INTERVAL, Policy
 from pipeline.outcome import Outcome
 from pipeline.store import Store
+from pipeline.store.labels import RunLabel
 from pipeline.sweep import sweep
 
 __all__ = ["CHECKPOINT_INTERVAL", "Outcome", "run"]
@@ -24,6 +25,7 @@ def run(
     executor: Executor | None = None,
     listen: Listener = ignore,
     checkpoint_interval: float = CHECKPOINT_INTERVAL,
+    label: RunLabel | None = None,
 ) -> dict[str, Outcome]:
     """Outcome of each node, computed unless the store holds it.
 
@@ -39,6 +41,9 @@ def run(
         Receives the events.
     checkpoint_interval
         Seconds between two checkpoints of a stage that makes them.
+    label
+        Under which what is used is registered with the store, so that nobody removes it; the caller
+        calls ``store.finish(label)`` once all else is done. Without one it is that of this process.
 
     Raises
     ------
@@ -52,7 +57,7 @@ def run(
     Stopped
         If a signal asked to stop: Ctrl-C, SIGTERM or SIGHUP.
     """
-    policy = Policy(checkpoint_interval=checkpoint_interval)
+    policy = Policy(checkpoint_interval=checkpoint_interval, label=label)
     (result,) = sweep([Case("", nodes)], store, executor, listen=listen, policy=policy)
     if isinstance(result, CaseFailed):
         raise result.error

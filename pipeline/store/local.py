@@ -75,8 +75,7 @@ class LocalStore:
         """Make a run known, before it asks for artefacts under its label."""
         with self._unless_read_only():
             self._prepare()
-            self._registers.begin(label)
-            self._written = True
+            self._written |= self._registers.begin(label)
 
     def finish(self, label: RunLabel, *, keep_earlier: bool = False) -> None:
         """Note that a run ended well; unless told otherwise, earlier ones of its name are dropped."""

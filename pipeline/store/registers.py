@@ -57,13 +57,14 @@ class Registers:
         """What another process needs: locks and memory stay here."""
         return Registers, (self.path,)
 
-    def begin(self, label: RunLabel) -> None:
-        """Make a run known, and alive until this process ends or the run is finished."""
+    def begin(self, label: RunLabel) -> bool:
+        """Make a run known, alive until this process ends or it is finished; ``False`` if it was."""
         identity = (self._file(label, ".json"), label.generation)
         with self._lock:
             if identity in _held:
-                return
+                return False
             _held[identity] = self._publish(label)
+            return True
 
     def add(self, label: RunLabel, ref: Ref) -> None:
         """Register an artefact, whether or not it is there already."""

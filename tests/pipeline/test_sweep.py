@@ -197,7 +197,7 @@ def test_cases_are_finished_one_after_the_other_in_one_process(store: LocalStore
 def test_no_more_cases_wait_for_a_shared_result_than_fit(
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pipeline.sweep.OPEN", 5)
+    monkeypatch.setattr("pipeline.scheduling.OPEN", 5)
     taken = []
 
     def cases() -> Iterator[Case]:
@@ -247,7 +247,9 @@ def test_a_signal_lets_stages_elsewhere_save_their_work(store: LocalStore) -> No
     with pytest.raises(Stopped, match="SIGINT"):
         list(sweep(cases, store, executor, listen=heard))
     assert heard.of(StageStopping) == [("0", "slow"), ("1", "slow")]
-    assert executor.next(lambda tag, event: None) is None  # all that was submitted has been handed out
+    assert (
+        executor.next(lambda tag, event: None) is None
+    )  # all that was submitted has been handed out
     assert signal.getsignal(signal.SIGINT) is before
 
 
