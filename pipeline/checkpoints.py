@@ -7,7 +7,7 @@ import json
 import os
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.durable import storing, write_atomically
+from pipeline.manifest import sha256
 from pipeline.provenance import processor, versions
 from pipeline.streams import SavedStream
 
@@ -37,7 +38,7 @@ class Checkpoint:
     streams
         Unfinished chunk of each history, by part.
     files
-        Size of each chunk file written so far, by its path in the data folder.
+        SHA-256 of each chunk file written so far, by its path in the data folder.
     seconds, cpu_seconds, warnings, notes
         What goes into the manifest of the whole.
     versions
@@ -49,7 +50,7 @@ class Checkpoint:
     key: str
     state: Mapping[str, NDArray[Any]]
     streams: Mapping[str, SavedStream]
-    files: Mapping[str, int]
+    files: Mapping[str, str]
     seconds: float = 0.0
     cpu_seconds: float = 0.0
     warnings: tuple[str, ...] = ()
@@ -108,25 +109,44 @@ class Checkpoint:
             raise UnusableCheckpoint(f"it was saved with other versions of {', '.join(changed)}")
         if self.processor != processor():
             raise UnusableCheckpoint("it was saved on another kind of processor")
-        present = chunk_files(data)
-        if any(present.get(path) != size for path, size in self.files.items()):
+        present = ChunkFiles(data).digests()
+        if any(present.get(path) != digest for path, digest in self.files.items()):
             raise UnusableCheckpoint("data files that belong to it are missing or damaged")
 
 
 _PLAIN = ("key", "files", "seconds", "cpu_seconds", "warnings", "notes", "versions", "processor")
 
 
-def chunk_files(data: Path) -> dict[str, int]:
-    """Size of each file of array data below a folder; metadata files are left out."""
-    return {
-        path.relative_to(data).as_posix(): path.stat().st_size
-        for parent, _, names in os.walk(data)
-        for name in names
-        if name != "zarr.json" and (path := Path(parent, name))
-    }
+class ChunkFiles:
+    """Files of array data below a folder; metadata files are left out.
+
+    A file is read once, unless it is written again: what a checkpoint costs does not grow with what
+    was written before the one before.
+    """
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+        self._known: dict[Path, tuple[tuple[int, int, int], str]] = {}
+
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of each file, by its path in the folder."""
+        return {
+            path.relative_to(self._data).as_posix(): self._digest(path)
+            for parent, _, names in os.walk(self._data)
+            for name in names
+            if name != "zarr.json" and (path := Path(parent, name))
+        }
+
+    def _digest(self, path: Path) -> str:
+        status = path.stat()
+        state = status.st_mtime_ns, status.st_size, status.st_ino
+        known = self._known.get(path)
+        if known is None or known[0] != state:
+            known = self._known[path] = state, sha256(path)
+        return known[1]
 
 
-def keep_only(data: Path, files: Mapping[str, int]) -> None:
+def keep_only(data: Path, files: Collection[str]) -> None:
     """Remove every file of a folder that does not belong to a checkpoint."""
     for parent, _, names in os.walk(data):
         for name in names:

@@ -26,7 +26,7 @@ from pipeline.store import Store, Workspace
 from pipeline.storerun import StoreRun
 from pipeline.task import Task
 from pipeline.threads import one_blas_thread
-from pipeline.verification import DamagedError
+from pipeline.verification import telling_damage
 
 
 def execute(
@@ -114,6 +114,7 @@ def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun, store: Store)
         with (
             deferred_interrupts(lambda: run.emit(stopping)) as run.interrupts,
             one_blas_thread(),
+            telling_damage(store, (Ref(e.stage, e.key) for e in task.inputs.values())),
         ):
             record = stage.compute(task.config, run=run, **inputs)
         if type(record) is not declared:
@@ -123,20 +124,9 @@ def _compute(task: Task, inputs: Mapping[str, Any], run: StoreRun, store: Store)
     except MyofilmError:
         raise
     except Exception as error:
-        _check_inputs(task, store, error)
         failure = _failure(stage.name, error, run)
         run.emit(StageFailed(task.name, stage.name, failure.cause))
         raise failure from error
-
-
-def _check_inputs(task: Task, store: Store, error: Exception) -> None:
-    """Tell of a damaged input instead of the failure that it led to."""
-    for entry in task.inputs.values():
-        ref = Ref(entry.stage, entry.key)
-        with storing(store.data(ref)):
-            problems = store.verify(ref, full=True)
-        if problems:
-            raise DamagedError(ref, store.data(ref).parent, problems) from error
 
 
 def _failure(stage: str, error: Exception, run: StoreRun) -> StageError:

@@ -1,11 +1,12 @@
 """Results read back from a store, never damaged ones.
 
-Checksums are compared with the manifest where the codec would not notice a flipped bit: in HDF5 files
+Sizes of all files are compared with the manifest, and checksums where the codec would not notice a flipped bit: in HDF5 files
 and in the metadata of zarr groups. Chunks of zarr arrays, read lazily, carry checksums of their own.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from pipeline.codecs import load, load_part
@@ -14,7 +15,7 @@ from pipeline.keys import Ref
 from pipeline.manifest import FileEntry, sha256
 from pipeline.records import parts_of
 from pipeline.store import Store
-from pipeline.verification import DamagedError, wrong_checksum
+from pipeline.verification import DamagedError, size_problem, wrong_checksum
 
 
 def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -> Any:
@@ -37,17 +38,20 @@ def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -
     folder = store.data(ref)
     files = [file for file in store.manifest(ref).files if part in (None, file.part)]
     with storing(folder):
-        checked = [file for file in files if not _checks_itself(file)]
-        problems = [
-            wrong_checksum(file.path)
-            for file in checked
-            if sha256(folder / file.path) != file.sha256
-        ]
+        problems = [problem for file in files if (problem := _problem(folder, file))]
         if problems:
             raise DamagedError(ref, folder.parent, problems)
         if part is None:
             return load(folder, record)
         return load_part(folder, part, parts_of(record)[part])
+
+
+def _problem(folder: Path, file: FileEntry) -> str | None:
+    if problem := size_problem(folder, file):
+        return problem
+    if _checks_itself(file) or sha256(folder / file.path) == file.sha256:
+        return None
+    return wrong_checksum(file.path)
 
 
 def _checks_itself(file: FileEntry) -> bool:

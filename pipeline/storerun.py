@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.checkpoints import Checkpoint, UnusableCheckpoint, chunk_files, keep_only
+from pipeline.checkpoints import Checkpoint, ChunkFiles, UnusableCheckpoint, keep_only
 from pipeline.codecs import part_path
 from pipeline.durable import storing, sync_tree
 from pipeline.events import Event, Listener, StageProgress, StageTold, StageWarned
@@ -63,6 +63,7 @@ class StoreRun:
         self.notes: dict[str, Any] = {}
         self.step: tuple[int, int] | None = None
         self._record = record
+        self._chunks = ChunkFiles(work.data)
         self._listen = listen
         self._interval = checkpoint_interval
         self._started, self._cpu_started = time.perf_counter(), time.process_time()
@@ -186,7 +187,7 @@ class StoreRun:
             key=self.key,
             state=state,
             streams={part: history.saved() for part, history in self.histories.items()},
-            files=chunk_files(self.work.data),
+            files=self._chunks.digests(),
             seconds=self.seconds,
             cpu_seconds=self.cpu_seconds,
             warnings=tuple(self.warnings),

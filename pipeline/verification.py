@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from pipeline.errors import StoreError
+from pipeline.durable import storing
+from pipeline.errors import MyofilmError, StoreError
 from pipeline.keys import Ref
 from pipeline.manifest import FileEntry, Manifest, content_ids, hash_files, whole_content
+
+if TYPE_CHECKING:
+    from pipeline.store.protocol import Store
 
 
 class DamagedError(StoreError):
@@ -29,6 +35,32 @@ class DamagedError(StoreError):
             remedy="run the same command with --recompute-damaged: it moves damaged artefacts aside "
             "and computes them again",
         )
+
+
+@contextlib.contextmanager
+def telling_damage(store: Store, refs: Iterable[Ref]) -> Iterator[None]:
+    """Tell of damage to the artefacts that the block reads, instead of the failure it led to.
+
+    Arrays are read when they are looked at: whoever computes with them meets whatever their codec
+    says of a flipped bit or a missing chunk.
+
+    Raises
+    ------
+    DamagedError
+        If the block fails, and one of these artefacts is damaged.
+    """
+    try:
+        yield
+    except MyofilmError:
+        raise
+    except Exception as error:
+        for ref in refs:
+            folder = store.data(ref).parent
+            with storing(folder):
+                problems = store.verify(ref, full=True)
+            if problems:
+                raise DamagedError(ref, folder, problems) from error
+        raise
 
 
 def wrong_checksum(path: str) -> str:

@@ -37,7 +37,7 @@ def draw(
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
-    from workflows.exports.outputs import experiment_of, summary_text
+    from workflows.exports.outputs import experiment_of, reading, summary_text
 
     figure = _figure(name)
     requests = {
@@ -57,7 +57,8 @@ def draw(
             outcomes = run(request.nodes(), kept, listen=listen)
         experiments[label] = experiment_of(request, outcomes)
         stages |= {f"{label}: {stage}": outcome for stage, outcome in outcomes.items()}
-    drawn = figure.draw(experiments, folder)
+    with reading(stages.values()):
+        drawn = figure.draw(experiments, folder)
     write_text(folder / "summary.json", summary_text({"figure": name}, drawn.quantities, stages))
     if not quiet:
         _tell(drawn, folder)

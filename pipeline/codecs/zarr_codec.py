@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from zarr.codecs import BloscCodec, Crc32cCodec
 
 from pipeline.codecs import tree
+from pipeline.codecs.whole import WholeStore
 from pipeline.runs import FRAMES_PER_CHUNK
 
 R = TypeVar("R")
@@ -35,7 +36,9 @@ def save(path: Path, record: Any) -> None:
 
 def load(path: Path, record: type[R]) -> R:
     """Record of a group, its arrays lazily."""
-    return tree.read(record, _Reader(zarr.open_group(path, mode="r", use_consolidated=False)))
+    kept = WholeStore(path, read_only=True)
+    group = zarr.open_group(kept, mode="r", zarr_format=3, use_consolidated=False)
+    return tree.read(record, _Reader(group))
 
 
 def open_group(path: Path) -> zarr.Group:

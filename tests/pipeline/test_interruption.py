@@ -376,6 +376,27 @@ def test_a_full_disk_keeps_what_was_saved_before(
     assert_same_bytes(store, unbroken)
 
 
+def test_a_checkpoint_reads_only_the_chunks_that_are_new(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[str] = []
+
+    def sha256(path: Path) -> str:
+        read.append(path.name)
+        return path.read_text()
+
+    monkeypatch.setattr(checkpoints, "sha256", sha256)
+    files = checkpoints.ChunkFiles(tmp_path)
+    (tmp_path / "0").write_text("first")
+    (tmp_path / "zarr.json").write_text("{}")
+    assert files.digests() == {"0": "first"}
+    (tmp_path / "1").write_text("second")
+    assert files.digests() == {"0": "first", "1": "second"}
+    (tmp_path / "0").write_text("rewritten")
+    assert files.digests() == {"0": "rewritten", "1": "second"}
+    assert read == ["0", "1", "0"]
+
+
 def interrupted_at_100(store: LocalStore, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Leave a checkpoint of 100 frames behind; its file."""
     real_progress = storerun.StoreRun.progress
@@ -431,6 +452,14 @@ def spoil_chunk(checkpoint: Path, data: Path) -> None:
     chunk.write_bytes(chunk.read_bytes()[:-1])
 
 
+def spoil_bit(checkpoint: Path, data: Path) -> None:
+    # Nothing would notice it later: the manifest would state the checksum of the spoilt chunk.
+    chunk = data / "record.zarr" / "potential" / "c" / "0" / "0"
+    contents = bytearray(chunk.read_bytes())
+    contents[len(contents) // 2] ^= 1
+    chunk.write_bytes(contents)
+
+
 def spoil_data(checkpoint: Path, data: Path) -> None:
     (data / "record.zarr" / "energy" / "c" / "0").unlink()
 
@@ -444,6 +473,7 @@ def spoil_data(checkpoint: Path, data: Path) -> None:
         (spoil_length, "cannot be read"),
         (spoil_key, "belongs to another result"),
         (spoil_chunk, "missing or damaged"),
+        (spoil_bit, "missing or damaged"),
         (spoil_data, "missing or damaged"),
     ],
 )

@@ -267,6 +267,33 @@ def test_a_flipped_bit_is_never_used_silently(node: str, file: str, store: Local
             outcome.load()
 
 
+def test_a_chunk_that_is_lost_after_it_was_looked_for_is_never_read_as_fill_values(
+    store: LocalStore,
+) -> None:
+    nodes = plan()
+    outcome = run(nodes, store)["wave"]
+    history = outcome.load()
+    (store.data(outcome.manifest.ref) / "record.zarr/potential/c/1/0").unlink()
+    with pytest.raises(FileNotFoundError, match="a chunk of an array is missing"):
+        history.potential[...]
+    with pytest.raises(StoreError, match=r"record\.zarr/potential/c/1/0 is missing"):
+        outcome.load()
+
+
+@stage
+def loses_its_input(config: toy.MeshConfig, history: toy.Wave) -> toy.Peak:
+    """Meets damage that came after its input was opened."""
+    path = Path(str(history.potential.store.root)) / "potential" / "c" / "1" / "0"
+    path.write_bytes(path.read_bytes()[:-1])
+    return toy.Peak(float(np.max(history.potential[...])))
+
+
+def test_damage_that_comes_while_a_stage_reads_is_told_as_damage(store: LocalStore) -> None:
+    wave = plan()["wave"]
+    with pytest.raises(StoreError, match=r"wave/\w+ is damaged \(record.zarr/potential/c/1/0 has"):
+        run({"peak": loses_its_input(toy.MeshConfig(), history=wave)}, store)
+
+
 def test_a_damaged_part_does_not_keep_its_neighbours_from_being_loaded(store: LocalStore) -> None:
     outcome = run({"mesh": toy.mesh(toy.MeshConfig())}, store)["mesh"]
     flip_bit(store.data(outcome.manifest.ref) / "surface.h5")

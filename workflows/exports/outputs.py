@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import importlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.canonical import canonical
+from pipeline.verification import telling_damage
 from workflows.experiment import Experiment
 from workflows.exports.files import write_text
 from workflows.exports.ledger import Ledger, source_id
@@ -23,18 +25,34 @@ Outcomes = Mapping[str, "Outcome"]
 
 
 def write_outputs(request: Request, outcomes: Outcomes, folder: Path) -> dict[str, Quantity]:
-    """Write pictures, data, report and summary; give the quantities."""
+    """Write pictures, data, report and summary; give the quantities.
+
+    Raises
+    ------
+    DamagedError
+        If that fails because a result is damaged.
+    """
     ledger = Ledger(folder)
     experiment = experiment_of(request, outcomes)
-    for export in request.workflow.exports:
-        if export not in request.exports:
-            ledger.remove(export.files)
-    for export in request.exports:
-        _make(export, request, outcomes, experiment, ledger, folder)
-    quantities = read_quantities(request, outcomes, ledger)
-    _make_report(request, outcomes, quantities, ledger, folder)
+    with reading(outcomes.values()):
+        for export in request.workflow.exports:
+            if export not in request.exports:
+                ledger.remove(export.files)
+        for export in request.exports:
+            _make(export, request, outcomes, experiment, ledger, folder)
+        quantities = read_quantities(request, outcomes, ledger)
+        _make_report(request, outcomes, quantities, ledger, folder)
     write_summary(request, outcomes, quantities, folder)
     return quantities
+
+
+@contextlib.contextmanager
+def reading(outcomes: Iterable[Outcome]) -> Iterator[None]:
+    """Tell of a damaged result instead of the failure that it leads to in the block."""
+    with contextlib.ExitStack() as stack:
+        for outcome in outcomes:
+            stack.enter_context(telling_damage(outcome.store, [outcome.manifest.ref]))
+        yield
 
 
 def experiment_of(request: Request, outcomes: Outcomes) -> Experiment:
@@ -50,7 +68,8 @@ def read_quantities(request: Request, outcomes: Outcomes, ledger: Ledger) -> dic
     source = source_id(workflow.modules, {"results": results, "config": config})
     kept = ledger.value("quantities", source)
     if kept is None:
-        found = workflow.quantities(experiment_of(request, outcomes))
+        with reading(outcomes.values()):
+            found = workflow.quantities(experiment_of(request, outcomes))
         kept = {k: dataclasses.asdict(q) for k, q in found.items()}
         ledger.keep("quantities", source, kept)
     return {name: Quantity(**entry) for name, entry in kept.items()}
