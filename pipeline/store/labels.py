@@ -17,8 +17,8 @@ from pathlib import Path
 from pipeline.canonical import digest
 from pipeline.errors import InputError
 
-FOREIGN_DAYS = 30.0
-"""Days for which a run keeps its artefacts though its folder, on another machine, cannot be seen."""
+UNSEEN_DAYS = 30.0
+"""Days for which a run keeps its artefacts though nobody can tell here whether its folder is there."""
 
 
 def _generation() -> str:
@@ -108,7 +108,7 @@ class RegisteredRun:
         Examples
         --------
         >>> there = RunLabel("/", folder="/")
-        >>> gone = RunLabel("/no/such/folder", folder="/no/such/folder")
+        >>> gone = RunLabel("/removed", folder="/removed")
         >>> [RegisteredRun(label, None, False).keeps(gone.began) for label in (there, gone)]
         [True, False]
         """
@@ -117,9 +117,11 @@ class RegisteredRun:
             return True
         if label.folder is None:
             return False
-        if label.host != platform.node() and now - label.began < FOREIGN_DAYS * 86400:
+        if os.path.isdir(label.folder):
             return True
-        return os.path.isdir(label.folder)
+        # The folder may be on another machine, or on a disk that is not there today.
+        unseen = label.host != platform.node() or not os.path.isdir(os.path.dirname(label.folder))
+        return unseen and now - label.began < UNSEEN_DAYS * 86400
 
 
 @cache

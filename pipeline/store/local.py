@@ -8,6 +8,10 @@ Layout of a local store::
     locks/<key>
     checkpoints/<key>/state.npz
     quarantine/<stage>/<key>.<time>/, .json     damaged artefacts, and what was found
+    runs/<name>.../                             which runs there are, and what they use
+    usage/<stage>/<key>                         its time is that of the last use
+    tags/<stage>/<key>/<tag>
+    index.jsonl                                 for lists; a cache
 """
 
 from __future__ import annotations
@@ -30,7 +34,8 @@ from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
-from pipeline.store.labels import RegisteredRun, RunLabel
+from pipeline.store.labels import RunLabel
+from pipeline.store.local_upkeep import LocalUpkeep
 from pipeline.store.quarantine import move_aside
 from pipeline.store.registers import Registers
 from pipeline.store.workspace import LocalWorkspace
@@ -71,6 +76,16 @@ class LocalStore:
             raise InputError(f"the store must be a folder, but {blocking[0]} is a file")
         self._check_version()
 
+    @property
+    def location(self) -> str:
+        """The folder, for messages."""
+        return str(self.path)
+
+    @property
+    def upkeep(self) -> LocalUpkeep:
+        """Lists, tags, removing."""
+        return LocalUpkeep(self.path, self._registers)
+
     def begin(self, label: RunLabel) -> None:
         """Make a run known, before it asks for artefacts under its label."""
         with self._unless_read_only():
@@ -81,21 +96,6 @@ class LocalStore:
         """Note that a run ended well; unless told otherwise, earlier ones of its name are dropped."""
         with self._unless_read_only():
             self._registers.finish(label, keep_earlier=keep_earlier)
-
-    def runs(self) -> Iterator[RegisteredRun]:
-        """All runs that the store knows, in no particular order."""
-        with storing(self.path):
-            yield from self._registers.runs()
-
-    def used_by(self, label: RunLabel) -> Iterator[Ref]:
-        """What a run has asked for so far, some of it perhaps twice, or not there."""
-        with storing(self.path):
-            yield from self._registers.refs(label)
-
-    def forget(self, label: RunLabel) -> None:
-        """Remove all that is known of a run, nothing of what it used."""
-        with storing(self.path):
-            self._registers.forget(label)
 
     def find(self, ref: Ref, label: RunLabel | None = None) -> Manifest | None:
         """Manifest of an artefact, ``None`` if there is none; sizes of its files are checked."""
@@ -114,13 +114,6 @@ class LocalStore:
             with locked(lock, ref.stage, lambda holder: None):
                 return self._find(ref)
         return self._find(ref)
-
-    def last_used(self, ref: Ref) -> float | None:
-        """When a run found an artefact last, seconds since 1970; ``None`` if none ever did."""
-        try:
-            return (self.path / "usage" / ref.stage / ref.key).stat().st_mtime
-        except OSError:
-            return None
 
     def _find(self, ref: Ref) -> Manifest | None:
         if not self._holds(ref):

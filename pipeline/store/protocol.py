@@ -10,7 +10,8 @@ from typing import Protocol
 from pipeline.events import Holder
 from pipeline.keys import Ref
 from pipeline.manifest import Manifest
-from pipeline.store.labels import RegisteredRun, RunLabel
+from pipeline.store.labels import RunLabel
+from pipeline.store.upkeep import Upkeep
 
 
 class Workspace(Protocol):
@@ -42,6 +43,16 @@ class Workspace(Protocol):
 
 class Store(Protocol):
     """What the engine needs of a store; ``pipeline.testing.stores`` tests it."""
+
+    @property
+    def location(self) -> str:
+        """Where it is, for messages."""
+        ...
+
+    @property
+    def upkeep(self) -> Upkeep:
+        """What its user needs of it: lists, tags, removing."""
+        ...
 
     def begin(self, label: RunLabel) -> None:
         """Make a run known and alive, before any of its processes asks for artefacts.
@@ -75,22 +86,6 @@ class Store(Protocol):
         keep_earlier
             Whether the run was only a part of what its name stands for.
         """
-        ...
-
-    def runs(self) -> Iterator[RegisteredRun]:
-        """All runs that the store knows, in no particular order."""
-        ...
-
-    def used_by(self, label: RunLabel) -> Iterator[Ref]:
-        """What a run has registered so far, some of it perhaps twice, or not there."""
-        ...
-
-    def forget(self, label: RunLabel) -> None:
-        """Remove all that is known of a run, and nothing of what it used."""
-        ...
-
-    def last_used(self, ref: Ref) -> float | None:
-        """When a run last found an artefact, seconds since 1970; ``None`` if none ever did."""
         ...
 
     def manifest(self, ref: Ref) -> Manifest:

@@ -24,6 +24,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pipeline.durable import sync
+from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.locks import try_lock
 from pipeline.store.labels import RegisteredRun, RunLabel, from_json, to_json
@@ -85,32 +87,43 @@ class Registers:
     def finish(self, label: RunLabel, *, keep_earlier: bool = False) -> None:
         """Note that a run ended well; unless told otherwise, earlier ones of its name are dropped."""
         done = self._file(label, ".done")
+        for entry in self._files_of(label):
+            sync(Path(entry.path))
         done.parent.mkdir(parents=True, exist_ok=True)
         done.touch()
+        sync(done.parent)
         with self._lock:
             if descriptor := _held.pop((self._file(label, ".json"), label.generation), None):
                 os.close(descriptor)
-        for run in [] if keep_earlier else self._runs_in(done.parent):
-            if run.label.generation < label.generation and not run.alive:
-                self.forget(run.label)
+        if keep_earlier:
+            return
+        with contextlib.suppress(StoreError):  # a damaged label is told to those who need it
+            for run in list(self._runs_in(done.parent)):
+                if run.label.generation < label.generation and not run.alive:
+                    self.forget(run.label)
 
     def runs(self) -> Iterator[RegisteredRun]:
-        """All runs, in no particular order."""
+        """All runs, in no particular order.
+
+        Raises
+        ------
+        StoreError
+            If a label is damaged: nobody knows then what that run keeps.
+        """
         for folder in _entries(self.path):
             yield from self._runs_in(Path(folder.path))
 
     def refs(self, label: RunLabel) -> Iterator[Ref]:
         """What a run has registered so far, some of it perhaps twice, or not there."""
-        for entry in _entries(self._file(label, "").parent):
-            if entry.name.startswith(label.generation) and entry.name.endswith(".refs"):
+        for entry in self._files_of(label):
+            if entry.name.endswith(".refs"):
                 yield from self._refs_in(entry)
 
     def forget(self, label: RunLabel) -> None:
         """Remove all that is known of one run; what it used is kept by others, or no longer."""
         folder = self._file(label, "").parent
-        ours = [e for e in _entries(folder) if e.name.startswith(label.generation)]
         # The label last: without it nobody could tell whose the rest is.
-        for entry in sorted(ours, key=lambda entry: entry.name.endswith(".json")):
+        for entry in sorted(self._files_of(label), key=lambda one: one.name.endswith(".json")):
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(entry.path)
         with contextlib.suppress(OSError):
@@ -118,6 +131,10 @@ class Registers:
 
     def _file(self, label: RunLabel, suffix: str) -> Path:
         return self.path / label.slug / f"{label.generation}{suffix}"
+
+    def _files_of(self, label: RunLabel) -> list[os.DirEntry[str]]:
+        entries = _entries(self._file(label, "").parent)
+        return [entry for entry in entries if entry.name.startswith(label.generation)]
 
     def _publish(self, label: RunLabel) -> int:
         """Write the label, locked before anybody can see it; gives the descriptor with the lock."""
@@ -128,6 +145,7 @@ class Registers:
             try:
                 descriptor = os.open(new, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
                 os.write(descriptor, json.dumps(to_json(label)).encode())
+                os.fsync(descriptor)
                 try_lock(descriptor, fcntl.LOCK_EX)
                 os.rename(new, path)
             except FileNotFoundError:
@@ -138,10 +156,19 @@ class Registers:
         for entry in _entries(folder):
             if entry.name.endswith(".json"):
                 path = Path(entry.path)
-                with contextlib.suppress(OSError, ValueError):
+                try:
                     label = from_json(json.loads(path.read_bytes()))
-                    finished = _time(path.with_suffix(".done"))
-                    yield RegisteredRun(label, finished, finished is None and _alive(path, label))
+                    alive = _alive(path, label)
+                except FileNotFoundError:
+                    continue  # it was forgotten just now
+                except ValueError as error:
+                    raise StoreError(
+                        f"unreadable label of a run ({error})",
+                        path=path,
+                        remedy="remove this file; what only that run kept may be removed then",
+                    ) from error
+                finished = _time(path.with_suffix(".done"))
+                yield RegisteredRun(label, finished, alive and finished is None)
 
     def _refs_in(self, entry: os.DirEntry[str]) -> list[Ref]:
         """Lines of one file; only what was added since the last call is read."""
@@ -173,8 +200,13 @@ def _alive(path: Path, label: RunLabel) -> bool:
         return not free
     if label.host != platform.node():
         return time.time() - label.began < UNSURE_DAYS * 86400
+    return is_process(label.process)
+
+
+def is_process(number: int) -> bool:
+    """Whether there is a process of this number on this machine."""
     try:
-        os.kill(label.process, 0)
+        os.kill(number, 0)
     except OSError as error:
         return error.errno == errno.EPERM
     return True

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from pipeline.durable import remove_tree, storing, sync, sync_tree
 from pipeline.manifest import Manifest
+from pipeline.store.catalogue import note
+from pipeline.store.local_upkeep import INDEX, stamp
 
 
 @dataclass(frozen=True)
@@ -47,3 +49,4 @@ class LocalWorkspace:
                 remove_tree(self.folder)  # another process published the same result first
             sync(self.target.parent)
             remove_tree(self.checkpoint.parent)
+            note(self.target.parents[2] / INDEX, manifest, stamp(self.target))

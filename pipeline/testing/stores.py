@@ -222,11 +222,11 @@ class StoreConformance:
         label = RunLabel("one", named=True)
         store.begin(label)
         store.begin(label)
-        assert [(run.label, run.alive, run.finished) for run in store.runs()] == [
+        assert [(run.label, run.alive, run.finished) for run in store.upkeep.runs()] == [
             (label, True, None)
         ]
         store.finish(label)
-        (run,) = store.runs()
+        (run,) = store.upkeep.runs()
         assert run.label == label
         assert not run.alive
         assert run.finished is not None
@@ -240,20 +240,19 @@ class StoreConformance:
         there, absent = publish(store, example(gain=1.0)), example(gain=2.0).ref
         assert store.find(there.ref, label) == there
         assert store.find(absent, label) is None
-        assert set(store.used_by(label)) == {there.ref, absent}
-        assert list(store.used_by(other)) == []
+        assert set(store.upkeep.used_by(label)) == {there.ref, absent}
+        assert list(store.upkeep.used_by(other)) == []
 
     def test_finding_an_artefact_for_a_run_is_its_last_use(self, store: Store) -> None:
         label = RunLabel("one")
         store.begin(label)
         ref = publish(store, example()).ref
         store.find(ref)
-        assert store.last_used(ref) is None
+        assert store.upkeep.last_uses() == {}
         store.find(ref, label)
-        used = store.last_used(ref)
-        assert used is not None
+        ((found, used),) = store.upkeep.last_uses().items()
+        assert found == ref
         assert abs(used - time.time()) < 60  # clocks of file servers differ by seconds
-        assert store.last_used(example(gain=2.0).ref) is None
 
     def test_a_run_that_ends_well_replaces_earlier_ones_of_its_name(self, store: Store) -> None:
         labels = [RunLabel("one") for _ in range(3)] + [RunLabel("other")]
@@ -261,21 +260,21 @@ class StoreConformance:
             store.begin(label)
             store.find(example().ref, label)
             store.finish(label, keep_earlier=label is not labels[2])
-        assert {run.label for run in store.runs()} == {labels[2], labels[3]}
-        assert list(store.used_by(labels[0])) == []
+        assert {run.label for run in store.upkeep.runs()} == {labels[2], labels[3]}
+        assert list(store.upkeep.used_by(labels[0])) == []
 
     def test_a_forgotten_run_leaves_nothing(self, store: Store) -> None:
         label = RunLabel("one")
         store.begin(label)
         store.find(example().ref, label)
         store.finish(label)
-        store.forget(label)
-        assert list(store.runs()) == []
-        assert list(store.used_by(label)) == []
+        store.upkeep.forget(label)
+        assert list(store.upkeep.runs()) == []
+        assert list(store.upkeep.used_by(label)) == []
 
     def test_a_store_in_another_process_registers_for_the_same_run(self, store: Store) -> None:
         label = RunLabel("one")
         store.begin(label)
         copy: Store = pickle.loads(pickle.dumps(store))
         copy.find(example().ref, pickle.loads(pickle.dumps(label)))
-        assert list(store.used_by(label)) == [example().ref]
+        assert list(store.upkeep.used_by(label)) == [example().ref]

@@ -56,6 +56,7 @@ def test_the_layout_is_the_documented_one(store: LocalStore) -> None:
     files = {p.relative_to(store.path).as_posix() for p in store.path.rglob("*") if p.is_file()}
     assert files == {
         "store.json",
+        "index.jsonl",
         f"locks/{ref.key}",
         f"objects/geometry/{ref.key}/manifest.json",
         f"objects/geometry/{ref.key}/data/record.h5",

@@ -1,0 +1,34 @@
+"""Looking after a local store: lists, tags, what goes and what stays."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.store import LocalStore
+from pipeline.testing.upkeep import UpkeepConformance
+
+
+class TestLocalUpkeep(UpkeepConformance):
+    @pytest.fixture
+    def store(self, tmp_path: Path) -> LocalStore:
+        return LocalStore(tmp_path / "store")
+
+
+class TestLocalUpkeepWithoutFileLocks(UpkeepConformance):
+    """Without locks the registers alone tell what is used."""
+
+    @pytest.fixture
+    def store(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> LocalStore:
+        def flock(descriptor: int, operation: int) -> None:
+            raise OSError(errno.ENOLCK, "No locks available")
+
+        monkeypatch.setattr(fcntl, "flock", flock)
+        return LocalStore(tmp_path / "store")
+
+    # The process that could still be at work is known by its number alone, and it is this one.
+    test_work_that_was_given_up_is_left_over_until_it_is_discarded: Any = None
