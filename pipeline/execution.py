@@ -61,8 +61,7 @@ def execute(
         inputs = {role: _load(task, role, store) for role in task.inputs}
         _compute(task, inputs, run, store)
         check_loaded(stage.name, code)  # again: modules may have been loaded on the way
-        manifest = _manifest(task, stated, run, started, waited_seconds)
-        work.publish(manifest)
+        manifest = work.publish(_manifest(task, stated, run, started, waited_seconds))
     except BaseException as error:
         if not work.checkpoint.exists() and getattr(error, "kept", None) is None:
             with contextlib.suppress(OSError):  # the first error is the one to tell

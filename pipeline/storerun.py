@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.checkpoints import Checkpoint, ChunkFiles, UnusableCheckpoint, keep_only
 from pipeline.codecs import part_path
 from pipeline.durable import storing, sync_tree
+from pipeline.errors import StoreError
 from pipeline.events import Event, Listener, StageProgress, StageTold, StageWarned
 from pipeline.fingerprint import Fingerprint
 from pipeline.frames import FrameShapes
@@ -193,6 +194,11 @@ class StoreRun:
             warnings=tuple(self.warnings),
             notes=self.notes,
         ).save(self.work.checkpoint)
+        try:
+            self.work.saved(last=self.interrupts.requested is not None)
+        except StoreError as error:
+            told = f"the checkpoint is kept on this machine only: {error.cause}"
+            self.emit(StageWarned(self.node, self.stage, told))
 
     def _last_checkpoint(self) -> Checkpoint | None:
         try:

@@ -36,8 +36,30 @@ class Workspace(Protocol):
         """Make ready to write; unless resuming, all that an earlier process left is removed."""
         ...
 
-    def publish(self, manifest: Manifest) -> None:
-        """Make the data, with its manifest, an artefact for all readers at once."""
+    def saved(self, *, last: bool) -> None:
+        """Take note that the checkpoint was saved; a store elsewhere may keep a copy of it.
+
+        Parameters
+        ----------
+        last
+            Whether this process stops now, so that no later call will come.
+
+        Raises
+        ------
+        StoreError
+            If the copy could not be made; the checkpoint itself is safe here.
+        """
+        ...
+
+    def publish(self, manifest: Manifest) -> Manifest:
+        """Make the data, with its manifest, an artefact for all readers at once.
+
+        Returns
+        -------
+        Manifest
+            Of the artefact that stands: that of another process if it was published first. Where
+            processors differ its last bits may, too, so what follows must go on from this one.
+        """
         ...
 
 

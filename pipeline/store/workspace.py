@@ -34,7 +34,10 @@ class LocalWorkspace:
                 remove_tree(self.checkpoint.parent)
             self.data.mkdir(parents=True, exist_ok=True)
 
-    def publish(self, manifest: Manifest) -> None:
+    def saved(self, *, last: bool) -> None:
+        """The checkpoint is where it belongs already."""
+
+    def publish(self, manifest: Manifest) -> Manifest:
         """Sync everything, then rename the folder: the only commit point."""
         with storing(self.folder):
             (self.folder / "manifest.json").write_bytes(manifest.to_json())
@@ -46,7 +49,10 @@ class LocalWorkspace:
             except OSError as error:
                 if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
                     raise
-                remove_tree(self.folder)  # another process published the same result first
+                # Another process published the same result first: its manifest is the one that counts.
+                manifest = Manifest.from_json((self.target / "manifest.json").read_bytes())
+                remove_tree(self.folder)
             sync(self.target.parent)
             remove_tree(self.checkpoint.parent)
             note(self.target.parents[2] / INDEX, manifest, stamp(self.target))
+        return manifest
