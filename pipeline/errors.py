@@ -95,12 +95,12 @@ class StoreError(MyofilmError):
     cause
         What went wrong.
     path
-        File or folder concerned.
+        File or folder concerned, or the URL of an object.
     remedy
         What the user can do about it.
     """
 
-    def __init__(self, cause: str, *, path: Path | None = None, remedy: str = "") -> None:
+    def __init__(self, cause: str, *, path: Path | str | None = None, remedy: str = "") -> None:
         self.cause = cause
         self.path = path
         self.remedy = remedy

@@ -40,7 +40,7 @@ def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -
     with storing(folder):
         problems = [problem for file in files if (problem := _problem(folder, file))]
         if problems:
-            raise DamagedError(ref, folder.parent, problems)
+            raise DamagedError(ref, store.where(ref), problems)
         if part is None:
             return load(folder, record)
         return load_part(folder, part, parts_of(record)[part])

@@ -21,17 +21,17 @@ class DamagedError(StoreError):
 
     Parameters
     ----------
-    ref, folder
+    ref, place
         The artefact, and where it is.
     problems
         What is wrong with it.
     """
 
-    def __init__(self, ref: Ref, folder: Path, problems: Iterable[str]) -> None:
+    def __init__(self, ref: Ref, place: Path | str, problems: Iterable[str]) -> None:
         self.ref, self.problems = ref, tuple(problems)
         super().__init__(
             f"artefact {ref} is damaged ({'; '.join(self.problems)})",
-            path=folder,
+            path=place,
             remedy="run the same command with --recompute-damaged: it moves damaged artefacts aside "
             "and computes them again",
         )
@@ -55,11 +55,10 @@ def telling_damage(store: Store, refs: Iterable[Ref]) -> Iterator[None]:
         raise
     except Exception as error:
         for ref in refs:
-            folder = store.data(ref).parent
-            with storing(folder):
+            with storing(Path(store.location)):
                 problems = store.verify(ref, full=True)
             if problems:
-                raise DamagedError(ref, folder, problems) from error
+                raise DamagedError(ref, store.where(ref), problems) from error
         raise
 
 

@@ -165,6 +165,10 @@ class LocalStore:
         """Folder with the data files of an artefact."""
         return self._folder(ref) / "data"
 
+    def where(self, ref: Ref) -> Path:
+        """Folder of an artefact."""
+        return self._folder(ref)
+
     def refs(self, stage: str | None = None) -> Iterator[Ref]:
         """Artefacts of one stage or of all, sorted."""
         objects = self.path / "objects"

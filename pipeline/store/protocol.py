@@ -130,7 +130,11 @@ class Store(Protocol):
         """Problems of an artefact in words; ``full`` recomputes every checksum."""
         ...
 
-    def quarantine(self, ref: Ref, problems: Iterable[str] = ()) -> Path | None:
+    def where(self, ref: Ref) -> Path | str:
+        """Folder or URL of an artefact, to be told to users."""
+        ...
+
+    def quarantine(self, ref: Ref, problems: Iterable[str] = ()) -> Path | str | None:
         """Move an artefact aside if it is damaged; where it is then, ``None`` if it is not."""
         ...
 

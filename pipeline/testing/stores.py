@@ -75,6 +75,17 @@ class StoreConformance:
         """An empty store."""
         raise TypeError("a test class for a store defines the fixture 'store'")
 
+    def spoil(self, store: Store, ref: Ref, name: str, contents: bytes | None) -> None:
+        """Give a data file of an artefact other contents, or none, where the store keeps it.
+
+        A store whose ``data`` gives a copy overrides this.
+        """
+        path = store.data(ref) / name
+        if contents is None:
+            path.unlink()
+        else:
+            path.write_bytes(contents)
+
     def test_an_empty_store_holds_nothing(self, store: Store) -> None:
         assert store.find(example().ref) is None
         assert list(store.refs()) == []
@@ -146,30 +157,30 @@ class StoreConformance:
 
     def test_an_artefact_with_a_shortened_file_is_never_used(self, store: Store) -> None:
         ref = publish(store, example()).ref
-        (store.data(ref) / "record.h5").write_bytes(b"cont")
+        self.spoil(store, ref, "record.h5", b"cont")
         with pytest.raises(StoreError, match=r"record\.h5 has 4 bytes instead of 8"):
             store.find(ref)
 
     def test_an_artefact_with_a_lost_file_is_never_used(self, store: Store) -> None:
         ref = publish(store, example()).ref
-        (store.data(ref) / "record.h5").unlink()
+        self.spoil(store, ref, "record.h5", None)
         with pytest.raises(StoreError, match=r"record\.h5 is missing"):
             store.find(ref)
 
     def test_full_verification_finds_a_flipped_bit(self, store: Store) -> None:
         ref = publish(store, example()).ref
-        (store.data(ref) / "record.h5").write_bytes(b"cOntents")
+        self.spoil(store, ref, "record.h5", b"cOntents")
         assert store.verify(ref) == ()
         assert store.verify(ref, full=True) == ("the checksum of record.h5 is wrong",)
 
     def test_full_verification_finds_a_foreign_file(self, store: Store) -> None:
         ref = publish(store, example()).ref
-        (store.data(ref) / "foreign").write_bytes(b"")
+        self.spoil(store, ref, "foreign", b"")
         assert store.verify(ref, full=True) == ("foreign does not belong to it",)
 
     def test_a_damaged_artefact_is_set_aside_and_can_be_published_again(self, store: Store) -> None:
         manifest = publish(store, example())
-        (store.data(manifest.ref) / "record.h5").write_bytes(b"cont")
+        self.spoil(store, manifest.ref, "record.h5", b"cont")
         aside = store.quarantine(manifest.ref, ["seen by a reader"])
         assert aside is not None
         assert store.find(manifest.ref) is None
