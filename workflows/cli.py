@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 import typer.core
 
-from workflows.options import Config, Name, Out, Settings, StorePath, path_given
+from workflows.options import Config, Name, Out, RunName, Settings, StorePath, path_given
 from workflows.store_cli import store_app
 
 
@@ -102,11 +102,12 @@ def run(
     settings: Settings = None,
     out: Out = None,
     store: StorePath = None,
+    name: RunName = None,
 ) -> None:
     """Run an experiment: report, pictures, data."""
     from workflows.commands import run_workflow
 
-    run_workflow(workflow, config, settings or [], out, store, **ctx.obj)
+    run_workflow(workflow, config, settings or [], out, store, name=name, **ctx.obj)
 
 
 def _stage_command(stage: str) -> None:
@@ -119,10 +120,11 @@ def _stage_command(stage: str) -> None:
         settings: Settings = None,
         out: Out = None,
         store: StorePath = None,
+        name: RunName = None,
     ) -> None:
         from workflows.commands import run_stage
 
-        run_stage(stage, workflow, config, settings or [], out, store, **ctx.obj)
+        run_stage(stage, workflow, config, settings or [], out, store, name=name, **ctx.obj)
 
     app.command(stage, help=f"Compute {stage} and what it needs.")(command)
 
@@ -175,12 +177,13 @@ def verification(
         ),
     ] = None,
     store: StorePath = None,
+    name: RunName = None,
 ) -> None:
     """Compare the solvers with closed forms and published values, study by study."""
     from workflows.verification.commands import list_studies, run_studies
 
     if studies:
-        run_studies(studies, config, settings or [], out, store, **ctx.obj)
+        run_studies(studies, config, settings or [], out, store, name=name, **ctx.obj)
     else:
         list_studies()
 
@@ -203,6 +206,7 @@ def reproduce(
         ),
     ] = None,
     store: StorePath = None,
+    name: RunName = None,
 ) -> None:
     """Draw a figure of the paper."""
     from workflows.reproduce import draw, list_figures
@@ -210,7 +214,7 @@ def reproduce(
     if figure is None:
         list_figures()
     else:
-        draw(figure, config, settings or [], out, store, **ctx.obj)
+        draw(figure, config, settings or [], out, store, name=name, **ctx.obj)
 
 
 def _silence_closed_streams() -> None:

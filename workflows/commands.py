@@ -20,22 +20,30 @@ if TYPE_CHECKING:
 
 
 def run_workflow(
-    name: str,
+    workflow: str,
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
     *,
+    name: str | None = None,
     quiet: bool = False,
     verbose: bool = False,
 ) -> None:
     """Compute all stages, write everything, and say where it is."""
-    request = Request.read(name, config, overrides)
-    carry_out(request, out or Path("results") / name, store, quiet=quiet, verbose=verbose)
+    request = Request.read(workflow, config, overrides)
+    folder = out or Path("results") / workflow
+    carry_out(request, folder, store, name=name, quiet=quiet, verbose=verbose)
 
 
 def carry_out(
-    request: Request, out: Path, store: str | None, *, quiet: bool = False, verbose: bool = False
+    request: Request,
+    out: Path,
+    store: str | None,
+    *,
+    name: str | None = None,
+    quiet: bool = False,
+    verbose: bool = False,
 ) -> None:
     """The same for a request.
 
@@ -46,13 +54,16 @@ def carry_out(
     """
     from pipeline.runner import run
     from workflows.exports.outputs import write_outputs
+    from workflows.labels import label_of, registered
 
     nodes = request.nodes()
     kept = open_store(store)
     folder = output_folder(out)
-    with watching(quiet=quiet, verbose=verbose) as listen:
-        outcomes = run(nodes, kept, listen=listen)
-    quantities = write_outputs(request, outcomes, folder)
+    label = label_of(name, folder, request.workflow.name, [request])
+    with registered(kept, label):
+        with watching(quiet=quiet, verbose=verbose) as listen:
+            outcomes = run(nodes, kept, listen=listen, label=label)
+        quantities = write_outputs(request, outcomes, folder)
     if not quiet:
         _tell_results(request, quantities, folder)
     check_limits(quantities)
@@ -60,12 +71,13 @@ def carry_out(
 
 def run_stage(
     stage: str,
-    name: str,
+    workflow: str,
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
     *,
+    name: str | None = None,
     quiet: bool = False,
     verbose: bool = False,
 ) -> None:
@@ -80,23 +92,26 @@ def run_stage(
     from pipeline.runner import run
     from workflows.exports.ledger import Ledger
     from workflows.exports.outputs import read_quantities, write_summary
+    from workflows.labels import label_of, registered
 
-    request = Request.read(name, config, overrides)
+    request = Request.read(workflow, config, overrides)
     nodes = request.nodes(stage)
     kept = open_store(store)
-    folder = output_folder(out or Path("results") / name / stage)
+    folder = output_folder(out or Path("results") / workflow / stage)
     ledger = Ledger(folder)
     if ledger.holds_files():
         raise InputError(
             f"the output folder {folder} holds a whole run, and the summary of {stage} alone would "
             "replace its summary.json; choose another folder with --out"
         )
-    with watching(quiet=quiet, verbose=verbose) as listen:
-        outcomes = run(nodes, kept, listen=listen)
-    quantities = {}
-    if set(request.measured) <= outcomes.keys():
-        quantities = read_quantities(request, outcomes, ledger)
-    write_summary(request, outcomes, quantities, folder)
+    label = label_of(name, folder, request.workflow.name, [request])
+    with registered(kept, label):
+        with watching(quiet=quiet, verbose=verbose) as listen:
+            outcomes = run(nodes, kept, listen=listen, label=label)
+        quantities = {}
+        if set(request.measured) <= outcomes.keys():
+            quantities = read_quantities(request, outcomes, ledger)
+        write_summary(request, outcomes, quantities, folder)
     if not quiet:
         print(f"\nresult   {kept.data(outcomes[stage].manifest.ref)}")
         print(f"summary  {folder / 'summary.json'}")

@@ -45,6 +45,15 @@ Out = Annotated[
         help="Output folder.  [default: results/WORKFLOW; of one stage results/WORKFLOW/STAGE]",
     ),
 ]
+RunName = Annotated[
+    str | None,
+    typer.Option(
+        "--name",
+        metavar="NAME",
+        help="Name under which the store keeps the results of this run until `myofilm store rm NAME`. "
+        "Without it they are kept while the output folder is there.",
+    ),
+]
 StorePath = Annotated[
     str | None,
     typer.Option(

@@ -26,40 +26,45 @@ def list_figures() -> None:
 
 
 def draw(
-    name: str,
+    figure: str,
     config: Path | None,
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
     *,
+    name: str | None = None,
     quiet: bool = False,
     verbose: bool = False,
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
     from workflows.exports.outputs import experiment_of, reading, summary_text
+    from workflows.labels import label_of, registered
 
-    figure = _figure(name)
+    wanted = _figure(figure)
     requests = {
         label: Request.read(
             planned.workflow, config, [*overrides, *planned.overrides], planned.defaults
         )
-        for label, planned in figure.runs.items()
+        for label, planned in wanted.runs.items()
     }
     kept = open_store(store)
-    folder = output_folder(out or Path("results/reproduce") / name)
+    folder = output_folder(out or Path("results/reproduce") / figure)
     experiments: dict[str, Experiment] = {}
     stages: dict[str, Outcome] = {}
-    for label, request in requests.items():
-        if not quiet and len(requests) > 1:
-            print(f"{label}:")
-        with watching(quiet=quiet, verbose=verbose) as listen:
-            outcomes = run(request.nodes(), kept, listen=listen)
-        experiments[label] = experiment_of(request, outcomes)
-        stages |= {f"{label}: {stage}": outcome for stage, outcome in outcomes.items()}
-    with reading(stages.values()):
-        drawn = figure.draw(experiments, folder)
-    write_text(folder / "summary.json", summary_text({"figure": name}, drawn.quantities, stages))
+    label = label_of(name, folder, f"reproduce {figure}", requests.values())
+    with registered(kept, label):
+        for title, request in requests.items():
+            if not quiet and len(requests) > 1:
+                print(f"{title}:")
+            with watching(quiet=quiet, verbose=verbose) as listen:
+                outcomes = run(request.nodes(), kept, listen=listen, label=label)
+            experiments[title] = experiment_of(request, outcomes)
+            stages |= {f"{title}: {stage}": outcome for stage, outcome in outcomes.items()}
+        with reading(stages.values()):
+            drawn = wanted.draw(experiments, folder)
+        summary = summary_text({"figure": figure}, drawn.quantities, stages)
+        write_text(folder / "summary.json", summary)
     if not quiet:
         _tell(drawn, folder)
 

@@ -26,6 +26,7 @@ def run_studies(
     out: Path | None,
     store: str | None,
     *,
+    name: str | None = None,
     quiet: bool = False,
     verbose: bool = False,
 ) -> None:
@@ -33,4 +34,4 @@ def run_studies(
     workflow = verification(names)
     request = replace(Request.read("verification", config, overrides), workflow=workflow)
     folder = out or Path("results/verification") / "+".join(workflow.measured)
-    carry_out(request, folder, store, quiet=quiet, verbose=verbose)
+    carry_out(request, folder, store, name=name, quiet=quiet, verbose=verbose)
