@@ -1,7 +1,7 @@
 """Results read back from a store, never damaged ones.
 
-Sizes of all files are compared with the manifest, and checksums where the codec would not notice a flipped bit: in HDF5 files
-and in the metadata of zarr groups. Chunks of zarr arrays, read lazily, carry checksums of their own.
+Sizes of all files are compared with the manifest at once, and checksums, too, except of the chunks of
+zarr arrays: these are compared whenever a chunk is read.
 """
 
 from __future__ import annotations
@@ -37,23 +37,24 @@ def load_result(store: Store, ref: Ref, record: type, part: str | None = None) -
     """
     folder = store.data(ref)
     files = [file for file in store.manifest(ref).files if part in (None, file.part)]
+    checksums = {file.path: file.sha256 for file in files}
     with storing(folder):
         problems = [problem for file in files if (problem := _problem(folder, file))]
         if problems:
             raise DamagedError(ref, store.where(ref), problems)
         if part is None:
-            return load(folder, record)
-        return load_part(folder, part, parts_of(record)[part])
+            return load(folder, record, checksums)
+        return load_part(folder, part, parts_of(record)[part], checksums)
 
 
 def _problem(folder: Path, file: FileEntry) -> str | None:
     if problem := size_problem(folder, file):
         return problem
-    if _checks_itself(file) or sha256(folder / file.path) == file.sha256:
+    if _is_read_later(file) or sha256(folder / file.path) == file.sha256:
         return None
     return wrong_checksum(file.path)
 
 
-def _checks_itself(file: FileEntry) -> bool:
+def _is_read_later(file: FileEntry) -> bool:
     """Whether a file is a chunk of a zarr array."""
     return ".zarr/" in file.path and not file.path.endswith("/zarr.json")

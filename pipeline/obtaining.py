@@ -32,10 +32,18 @@ class Policy:
         Seconds between two checkpoints of a stage that makes them.
     label
         Run that registers what it uses with the store, so that nobody removes it.
+    recompute_damaged
+        Whether every byte of a stored result is checked before it is used, and a damaged one set
+        aside and computed again; otherwise a damaged one is an error.
     """
 
     checkpoint_interval: float = CHECKPOINT_INTERVAL
     label: RunLabel | None = None
+    recompute_damaged: bool = False
+
+
+READ = Policy()
+"""How a result is looked at that was looked for before."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +78,7 @@ class Obtained:
 
 
 def look(
-    name: str, ref: Ref, store: Store, tell: Listener, label: RunLabel | None = None
+    name: str, ref: Ref, store: Store, tell: Listener, policy: Policy = READ
 ) -> Obtained | None:
     """A result that is in the store, told as a hit; ``None`` if it is not there.
 
@@ -79,9 +87,14 @@ def look(
     Raises
     ------
     StoreError
-        If it is damaged.
+        If it is damaged, unless such are to be computed again.
     """
-    manifest = store.find(ref, label)
+    if policy.recompute_damaged:
+        from pipeline.mending import find_sound
+
+        manifest = find_sound(name, ref, store, tell, policy.label)
+    else:
+        manifest = store.find(ref, policy.label)
     if manifest is None:
         return None
     tell(StageHit(name, ref.stage, ref.key))

@@ -26,6 +26,7 @@ def run(
     listen: Listener = ignore,
     checkpoint_interval: float = CHECKPOINT_INTERVAL,
     label: RunLabel | None = None,
+    recompute_damaged: bool = False,
 ) -> dict[str, Outcome]:
     """Outcome of each node, computed unless the store holds it.
 
@@ -44,6 +45,8 @@ def run(
     label
         Under which what is used is registered with the store, so that nobody removes it; the caller
         calls ``store.finish(label)`` once all else is done. Without one it is that of this process.
+    recompute_damaged
+        Check every byte of the stored results first; set damaged ones aside and compute them again.
 
     Raises
     ------
@@ -57,7 +60,7 @@ def run(
     Stopped
         If a signal asked to stop: Ctrl-C, SIGTERM or SIGHUP.
     """
-    policy = Policy(checkpoint_interval=checkpoint_interval, label=label)
+    policy = Policy(checkpoint_interval, label, recompute_damaged)
     (result,) = sweep([Case("", nodes)], store, executor, listen=listen, policy=policy)
     if isinstance(result, CaseFailed):
         raise result.error

@@ -153,7 +153,7 @@ class Schedule:
             if found is not None:
                 tell(StageHit(name, found.stage, found.key))
             else:
-                found = look(name, stated.ref, self._store, tell, self._policy.label)
+                found = look(name, stated.ref, self._store, tell, self._policy)
             if found is not None:
                 self._arrived(number, position, replace(found, hit=True))
                 return

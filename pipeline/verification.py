@@ -80,7 +80,9 @@ def full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
     """Problems of an artefact whose sizes are right: its files, checksums, contents and key."""
     found = {entry.path: entry for entry in hash_files(data)}
     kept = {entry.path: entry for entry in manifest.files}
-    yield from (f"{path} does not belong to it" for path in sorted(found.keys() - kept.keys()))
+    beside = {path.name for path in data.parent.iterdir()} - {data.name, "manifest.json"}
+    foreign = sorted(found.keys() - kept.keys()) + sorted(beside)
+    yield from (f"{path} does not belong to it" for path in foreign)
     for path in sorted(kept):
         if found[path].sha256 != kept[path].sha256:
             yield wrong_checksum(path)

@@ -6,13 +6,15 @@ zarr group (time-dependent fields, which come back lazily).
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from pipeline.records import WHOLE, has_parts, parts_of, stored_as
 
 R = TypeVar("R")
+
+UNCHECKED: Mapping[str, str] = {}
 
 SUFFIX = {"hdf5": ".h5", "zarr": ".zarr"}
 
@@ -40,16 +42,25 @@ def save(folder: Path, record: Any, written: Collection[str] = ()) -> None:
         _codec(declared).save(part_path(folder, part, declared), value)
 
 
-def load(folder: Path, record: type[R]) -> R:
-    """Whole record kept in a folder; HDF5 fields as numpy arrays, zarr fields lazily."""
+def load(folder: Path, record: type[R], checksums: Mapping[str, str] = UNCHECKED) -> R:
+    """Whole record kept in a folder; HDF5 fields as numpy arrays, zarr fields lazily.
+
+    ``checksums`` are the SHA-256 of files by path, compared where a file is read after this returns.
+    """
     if not has_parts(record):
-        return load_part(folder, WHOLE, record)
-    return record(**{part: load_part(folder, part, cls) for part, cls in parts_of(record).items()})
+        return load_part(folder, WHOLE, record, checksums)
+    parts = parts_of(record).items()
+    return record(**{part: load_part(folder, part, cls, checksums) for part, cls in parts})
 
 
-def load_part(folder: Path, part: str, record: type[R]) -> R:
+def load_part(
+    folder: Path, part: str, record: type[R], checksums: Mapping[str, str] = UNCHECKED
+) -> R:
     """One part of the record kept in a folder."""
-    return cast(R, _codec(record).load(part_path(folder, part, record), record))
+    path = part_path(folder, part, record)
+    below = f"{path.name}/"
+    own = {file.removeprefix(below): c for file, c in checksums.items() if file.startswith(below)}
+    return cast(R, _codec(record).load(path, record, own))
 
 
 def _codec(record: type) -> Any:

@@ -33,8 +33,8 @@ def save(path: Path, record: Any) -> None:
     write_atomically(path, image)
 
 
-def load(path: Path, record: type[R]) -> R:
-    """Record of a file, its arrays in memory."""
+def load(path: Path, record: type[R], checksums: Mapping[str, str]) -> R:
+    """Record of a file, its arrays in memory; the file is one whole, which the caller has checked."""
     with h5py.File(path, "r") as file:
         return tree.read(record, _Reader(file))
 

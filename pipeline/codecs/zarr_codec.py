@@ -34,9 +34,9 @@ def save(path: Path, record: Any) -> None:
     tree.write(record, GroupWriter(open_group(path)))
 
 
-def load(path: Path, record: type[R]) -> R:
-    """Record of a group, its arrays lazily."""
-    kept = WholeStore(path, read_only=True)
+def load(path: Path, record: type[R], checksums: Mapping[str, str]) -> R:
+    """Record of a group, its arrays lazily; checksums of the files below the path are compared."""
+    kept = WholeStore(path, checksums)
     group = zarr.open_group(kept, mode="r", zarr_format=3, use_consolidated=False)
     return tree.read(record, _Reader(group))
 

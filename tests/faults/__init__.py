@@ -1,0 +1,1 @@
+"""What happens to a store when processes die, disks fill up and files rot."""
