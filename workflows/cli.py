@@ -12,7 +12,16 @@ from typing import Annotated, Any
 import typer
 import typer.core
 
-from workflows.options import Config, Name, Out, RunName, Settings, StorePath, path_given
+from workflows.options import (
+    Config,
+    Name,
+    Out,
+    RecomputeDamaged,
+    RunName,
+    Settings,
+    StorePath,
+    path_given,
+)
 from workflows.store_cli import store_app
 
 
@@ -103,11 +112,15 @@ def run(
     out: Out = None,
     store: StorePath = None,
     name: RunName = None,
+    recompute_damaged: RecomputeDamaged = False,
 ) -> None:
     """Run an experiment: report, pictures, data."""
     from workflows.commands import run_workflow
+    from workflows.ways import Way
 
-    run_workflow(workflow, config, settings or [], out, store, name=name, **ctx.obj)
+    run_workflow(
+        workflow, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj)
+    )
 
 
 def _stage_command(stage: str) -> None:
@@ -121,10 +134,20 @@ def _stage_command(stage: str) -> None:
         out: Out = None,
         store: StorePath = None,
         name: RunName = None,
+        recompute_damaged: RecomputeDamaged = False,
     ) -> None:
         from workflows.commands import run_stage
+        from workflows.ways import Way
 
-        run_stage(stage, workflow, config, settings or [], out, store, name=name, **ctx.obj)
+        run_stage(
+            stage,
+            workflow,
+            config,
+            settings or [],
+            out,
+            store,
+            Way(name, recompute_damaged, **ctx.obj),
+        )
 
     app.command(stage, help=f"Compute {stage} and what it needs.")(command)
 
@@ -178,12 +201,16 @@ def verification(
     ] = None,
     store: StorePath = None,
     name: RunName = None,
+    recompute_damaged: RecomputeDamaged = False,
 ) -> None:
     """Compare the solvers with closed forms and published values, study by study."""
     from workflows.verification.commands import list_studies, run_studies
+    from workflows.ways import Way
 
     if studies:
-        run_studies(studies, config, settings or [], out, store, name=name, **ctx.obj)
+        run_studies(
+            studies, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj)
+        )
     else:
         list_studies()
 
@@ -207,14 +234,16 @@ def reproduce(
     ] = None,
     store: StorePath = None,
     name: RunName = None,
+    recompute_damaged: RecomputeDamaged = False,
 ) -> None:
     """Draw a figure of the paper."""
     from workflows.reproduce import draw, list_figures
+    from workflows.ways import Way
 
     if figure is None:
         list_figures()
     else:
-        draw(figure, config, settings or [], out, store, name=name, **ctx.obj)
+        draw(figure, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj))
 
 
 def _silence_closed_streams() -> None:

@@ -12,6 +12,7 @@ from workflows.progress import duration, on_terminal, size, watching
 from workflows.registry import ENTRIES
 from workflows.request import Request, open_store, output_folder
 from workflows.tables import aligned, fitted, number, parameter
+from workflows.ways import USUAL, Way
 from workflows.workflow import check_limits
 
 if TYPE_CHECKING:
@@ -25,25 +26,19 @@ def run_workflow(
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
-    *,
-    name: str | None = None,
-    quiet: bool = False,
-    verbose: bool = False,
+    way: Way = USUAL,
 ) -> None:
     """Compute all stages, write everything, and say where it is."""
     request = Request.read(workflow, config, overrides)
     folder = out or Path("results") / workflow
-    carry_out(request, folder, store, name=name, quiet=quiet, verbose=verbose)
+    carry_out(request, folder, store, way)
 
 
 def carry_out(
     request: Request,
     out: Path,
     store: str | None,
-    *,
-    name: str | None = None,
-    quiet: bool = False,
-    verbose: bool = False,
+    way: Way = USUAL,
 ) -> None:
     """The same for a request.
 
@@ -59,12 +54,14 @@ def carry_out(
     nodes = request.nodes()
     kept = open_store(store)
     folder = output_folder(out)
-    label = label_of(name, folder, request.workflow.name, [request])
+    label = label_of(way.name, folder, request.workflow.name, [request])
     with registered(kept, label):
-        with watching(quiet=quiet, verbose=verbose) as listen:
-            outcomes = run(nodes, kept, listen=listen, label=label)
+        with watching(quiet=way.quiet, verbose=way.verbose) as listen:
+            outcomes = run(
+                nodes, kept, listen=listen, label=label, recompute_damaged=way.recompute_damaged
+            )
         quantities = write_outputs(request, outcomes, folder)
-    if not quiet:
+    if not way.quiet:
         _tell_results(request, quantities, folder)
     check_limits(quantities)
 
@@ -76,10 +73,7 @@ def run_stage(
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
-    *,
-    name: str | None = None,
-    quiet: bool = False,
-    verbose: bool = False,
+    way: Way = USUAL,
 ) -> None:
     """Compute one stage and what it needs, and write the summary of that.
 
@@ -104,15 +98,17 @@ def run_stage(
             f"the output folder {folder} holds a whole run, and the summary of {stage} alone would "
             "replace its summary.json; choose another folder with --out"
         )
-    label = label_of(name, folder, request.workflow.name, [request])
+    label = label_of(way.name, folder, request.workflow.name, [request])
     with registered(kept, label):
-        with watching(quiet=quiet, verbose=verbose) as listen:
-            outcomes = run(nodes, kept, listen=listen, label=label)
+        with watching(quiet=way.quiet, verbose=way.verbose) as listen:
+            outcomes = run(
+                nodes, kept, listen=listen, label=label, recompute_damaged=way.recompute_damaged
+            )
         quantities = {}
         if set(request.measured) <= outcomes.keys():
             quantities = read_quantities(request, outcomes, ledger)
         write_summary(request, outcomes, quantities, folder)
-    if not quiet:
+    if not way.quiet:
         print(f"\nresult   {kept.data(outcomes[stage].manifest.ref)}")
         print(f"summary  {folder / 'summary.json'}")
 

@@ -64,3 +64,11 @@ StorePath = Annotated[
         help="Where results are kept.  [default: the user's cache folder]",
     ),
 ]
+RecomputeDamaged = Annotated[
+    bool,
+    typer.Option(
+        "--recompute-damaged",
+        help="Check every byte of the kept results that are needed; set damaged ones aside in the "
+        "store and compute them again.",
+    ),
+]

@@ -13,6 +13,7 @@ from workflows.figures.catalogue import FIGURES, Drawn, PaperFigure
 from workflows.progress import watching
 from workflows.request import Request, open_store, output_folder
 from workflows.tables import aligned, fitted, number
+from workflows.ways import USUAL, Way
 
 if TYPE_CHECKING:
     from pipeline.runner import Outcome
@@ -31,10 +32,7 @@ def draw(
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
-    *,
-    name: str | None = None,
-    quiet: bool = False,
-    verbose: bool = False,
+    way: Way = USUAL,
 ) -> None:
     """Run what a figure needs, then draw it; runs that are in the store are not repeated."""
     from pipeline.runner import run
@@ -52,20 +50,26 @@ def draw(
     folder = output_folder(out or Path("results/reproduce") / figure)
     experiments: dict[str, Experiment] = {}
     stages: dict[str, Outcome] = {}
-    label = label_of(name, folder, f"reproduce {figure}", requests.values())
+    label = label_of(way.name, folder, f"reproduce {figure}", requests.values())
     with registered(kept, label):
         for title, request in requests.items():
-            if not quiet and len(requests) > 1:
+            if not way.quiet and len(requests) > 1:
                 print(f"{title}:")
-            with watching(quiet=quiet, verbose=verbose) as listen:
-                outcomes = run(request.nodes(), kept, listen=listen, label=label)
+            with watching(quiet=way.quiet, verbose=way.verbose) as listen:
+                outcomes = run(
+                    request.nodes(),
+                    kept,
+                    listen=listen,
+                    label=label,
+                    recompute_damaged=way.recompute_damaged,
+                )
             experiments[title] = experiment_of(request, outcomes)
             stages |= {f"{title}: {stage}": outcome for stage, outcome in outcomes.items()}
         with reading(stages.values()):
             drawn = wanted.draw(experiments, folder)
         summary = summary_text({"figure": figure}, drawn.quantities, stages)
         write_text(folder / "summary.json", summary)
-    if not quiet:
+    if not way.quiet:
         _tell(drawn, folder)
 
 

@@ -11,6 +11,7 @@ from workflows.request import Request
 from workflows.tables import aligned
 from workflows.verification.catalogue import all_studies
 from workflows.verification.experiment import verification
+from workflows.ways import USUAL, Way
 
 
 def list_studies() -> None:
@@ -25,13 +26,10 @@ def run_studies(
     overrides: Sequence[str],
     out: Path | None,
     store: str | None,
-    *,
-    name: str | None = None,
-    quiet: bool = False,
-    verbose: bool = False,
+    way: Way = USUAL,
 ) -> None:
     """Compute some studies, write everything, and say where it is."""
     workflow = verification(names)
     request = replace(Request.read("verification", config, overrides), workflow=workflow)
     folder = out or Path("results/verification") / "+".join(workflow.measured)
-    carry_out(request, folder, store, name=name, quiet=quiet, verbose=verbose)
+    carry_out(request, folder, store, way)

@@ -1,0 +1,29 @@
+"""How a command goes about its work. Nothing here changes a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Way:
+    """What a user may choose of any command that computes.
+
+    Attributes
+    ----------
+    name
+        Name of the run in the store; without one it goes by its output folder.
+    recompute_damaged
+        Whether damaged results are set aside and computed again, instead of ending the run.
+    quiet, verbose
+        Whether to tell warnings and errors only, or every step of the solvers, too.
+    """
+
+    name: str | None = None
+    recompute_damaged: bool = False
+    quiet: bool = False
+    verbose: bool = False
+
+
+USUAL = Way()
+"""What happens if nothing else is chosen."""
