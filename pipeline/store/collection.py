@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from pipeline.keys import Ref
 from pipeline.store.catalogue import Row
@@ -53,6 +54,20 @@ class Plan:
         return sum(removal.row.seconds for removal in self.removals)
 
 
+Holds: TypeAlias = Callable[[RegisteredRun, float], bool]
+"""Whether a run holds on to what it uses, now."""
+
+
+def keeps(run: RegisteredRun, now: float) -> bool:
+    """What holds against a collection: a name, a folder that is there, a process that runs."""
+    return run.keeps(now)
+
+
+def insists(run: RegisteredRun, now: float) -> bool:
+    """What holds against a user who asks to remove one artefact: a folder does not."""
+    return run.alive or run.label.named
+
+
 def plan(store: Store, limits: Limits, now: float | None = None) -> Plan:
     """What would be removed now.
 
@@ -79,14 +94,34 @@ def kept(store: Store, rows: Sequence[Row], now: float) -> set[Ref]:
     return reachable(roots(store, now), {row.ref: row for row in rows})
 
 
-def roots(
-    store: Store, now: float, without: Callable[[RegisteredRun], bool] = lambda run: False
-) -> Iterator[Ref]:
-    """What runs and tags name, runs left out that keep nothing (any longer)."""
+def roots(store: Store, now: float, holds: Holds = keeps) -> Iterator[Ref]:
+    """What tags name, and those runs that hold on to what they use."""
     yield from store.upkeep.tags()
     for run in store.upkeep.runs():
-        if run.keeps(now) and not without(run):
+        if holds(run, now):
             yield from store.upkeep.used_by(run.label)
+
+
+@dataclass(frozen=True)
+class Keeper:
+    """Who keeps an artefact: a run, or a tag (of something computed from it)."""
+
+    run: RegisteredRun | None = None
+    tag: str = ""
+    tagged: Ref | None = None
+
+
+def keepers(
+    store: Store, ref: Ref, rows: Sequence[Row], now: float, holds: Holds = keeps
+) -> Iterator[Keeper]:
+    """All who keep one artefact."""
+    by_ref = {row.ref: row for row in rows}
+    for tagged, tags in store.upkeep.tags().items():
+        if ref in reachable([tagged], by_ref):
+            yield from (Keeper(tag=tag, tagged=tagged) for tag in tags)
+    for run in store.upkeep.runs():
+        if holds(run, now) and ref in reachable(store.upkeep.used_by(run.label), by_ref):
+            yield Keeper(run)
 
 
 def collect(store: Store, planned: Plan) -> tuple[list[Removal], list[Leftover]]:
@@ -100,7 +135,9 @@ def collect(store: Store, planned: Plan) -> tuple[list[Removal], list[Leftover]]
     return [by_ref[ref] for ref in gone], discarded
 
 
-def remove(store: Store, refs: Sequence[Ref], rows: Sequence[Row]) -> list[Ref]:
+def remove(
+    store: Store, refs: Sequence[Ref], rows: Sequence[Row], holds: Holds = keeps
+) -> list[Ref]:
     """Remove artefacts that nothing keeps at the moment when each goes; gives those that are gone.
 
     Parameters
@@ -111,6 +148,8 @@ def remove(store: Store, refs: Sequence[Ref], rows: Sequence[Row]) -> list[Ref]:
         What should go.
     rows
         All artefacts: what each was computed from.
+    holds
+        Which runs count.
     """
     gone: list[Ref] = []
     by_ref = {row.ref: row for row in rows}
@@ -118,7 +157,7 @@ def remove(store: Store, refs: Sequence[Ref], rows: Sequence[Row]) -> list[Ref]:
 
     def look_again() -> set[Ref]:
         # Those who began to use something since then named it themselves, with all of its inputs.
-        reached.update(reachable(roots(store, time.time()), by_ref, reached))
+        reached.update(reachable(roots(store, time.time(), holds), by_ref, reached))
         return reached
 
     for begin in range(0, len(refs), BATCH):
