@@ -37,10 +37,10 @@ def _is_stated(name: str, code: Fingerprint, sources: Sources) -> bool:
     """Whether a module has the digest that is stated; what is not loaded cannot differ."""
     if name not in sys.modules:
         return True
-    path = sources.locate(name)
-    if path is None:  # removed since
+    file = sources.locate(name)
+    if file is None:  # removed since
         return False
-    content = loaded_content(name, path)
+    content = loaded_content(name, file)
     if content is None:
         return False
     source = sources.read(name) if sources.content(name) == content else known_source(content)

@@ -10,7 +10,6 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 from importlib.machinery import PathFinder
-from pathlib import Path
 from typing import Any
 
 from pipeline.contents import content_id
@@ -19,10 +18,10 @@ _LOADED: dict[str, str] = {}
 """Content id by the name of the module."""
 
 
-def loaded_content(name: str, path: Path) -> str | None:
+def loaded_content(name: str, file: str) -> str | None:
     """Content id of what a module in memory was loaded from; of the present file if nothing is known."""
     if name not in _LOADED:
-        _note(name, [str(path)], everywhere=True)
+        _note(name, [file], everywhere=True)
     return _LOADED.get(name)
 
 

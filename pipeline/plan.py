@@ -6,98 +6,73 @@ Nothing is computed or loaded; a plan reads manifests only.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
+from pipeline.checkpoint_summary import CheckpointSummary, summary
 from pipeline.fingerprint import Fingerprint
-from pipeline.keys import Statement, code_of, statement
+from pipeline.keys import Ref, Statement, code_of, statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
-from pipeline.reasons import UNKNOWN, Reason, nearest
+from pipeline.provenance import version_changes
+from pipeline.reasons import UNKNOWN, code_changes, nearest
+from pipeline.sources import Sources
 from pipeline.store import Store
+from pipeline.verdicts import (
+    Acceptable,
+    Changed,
+    Damaged,
+    Forecast,
+    Hit,
+    Missing,
+    Pending,
+    Verdict,
+)
+from pipeline.verification import DamagedError
+
+__all__ = [
+    "Acceptable",
+    "Changed",
+    "Damaged",
+    "Forecast",
+    "Hit",
+    "Missing",
+    "Pending",
+    "Verdict",
+    "explain",
+    "fingerprint_of",
+    "input_entries",
+    "statement_of",
+]
 
 
-@dataclass(frozen=True)
-class Forecast:
-    """Cost of the most similar past run."""
-
-    seconds: float
-    size: int
-
-
-@dataclass(frozen=True)
-class Hit:
-    """The result is in the store."""
-
-    node: str
-    stage: str
-    key: str
-    manifest: Manifest
-
-    @property
-    def forecast(self) -> Forecast:
-        """Nothing is left to do."""
-        return Forecast(0.0, 0)
-
-
-@dataclass(frozen=True)
-class Missing:
-    """The store holds no result of this stage at all."""
-
-    node: str
-    stage: str
-    key: str | None
-
-    @property
-    def forecast(self) -> None:
-        """Nothing is known about the cost."""
-        return
-
-
-@dataclass(frozen=True)
-class Changed:
-    """The store holds other results of this stage; ``reasons`` tell from the most similar one."""
-
-    node: str
-    stage: str
-    key: str | None
-    reasons: tuple[Reason, ...]
-    forecast: Forecast
-
-
-@dataclass(frozen=True)
-class Pending:
-    """The stages ``waits_for`` must run first; if their results come out the same, this is a hit."""
-
-    node: str
-    stage: str
-    waits_for: tuple[str, ...]
-    forecast: Forecast
-
-    @property
-    def key(self) -> None:
-        """Not known before the inputs are."""
-        return
-
-
-Verdict: TypeAlias = Hit | Missing | Changed | Pending
-
-
-def explain(nodes: Mapping[str, Node[Any]], store: Store) -> list[Verdict]:
+def explain(
+    nodes: Mapping[str, Node[Any]], store: Store, *, accept_code: bool = False
+) -> list[Verdict]:
     """Verdict on each node that is needed, in the order in which they would run.
+
+    Parameters
+    ----------
+    nodes
+        Planned nodes by name.
+    store
+        Where results are kept.
+    accept_code
+        Whether results that differ by their code alone are to be accepted.
 
     Raises
     ------
     StoreError
-        If the store cannot be read or an artefact is damaged.
+        If the store cannot be read.
     InputError
         If source code cannot be read.
     """
     verdicts: dict[int, Verdict] = {}
     found: dict[int, Manifest] = {}
+    sources = Sources()
     for name, node in in_order(nodes):
-        verdicts[id(node)] = verdict = _judge(name, node, store, found)
-        if isinstance(verdict, Hit):
+        code = fingerprint_of(node, sources)
+        verdicts[id(node)] = verdict = _judge(name, node, code, store, found, accept_code)
+        if isinstance(verdict, Hit | Acceptable):
             found[id(node)] = verdict.manifest
     return list(verdicts.values())
 
@@ -115,9 +90,9 @@ def input_entries(
     return entries
 
 
-def fingerprint_of(node: Node[Any]) -> Fingerprint:
-    """Fingerprint of the code of a node, as its files are now."""
-    return code_of(node.stage.module, node.config)
+def fingerprint_of(node: Node[Any], sources: Sources | None = None) -> Fingerprint:
+    """Fingerprint of the code of a node, as its files are now or were read before."""
+    return code_of(node.stage.module, node.config, sources)
 
 
 def statement_of(node: Node[Any], code: Fingerprint, inputs: Mapping[str, InputEntry]) -> Statement:
@@ -126,22 +101,60 @@ def statement_of(node: Node[Any], code: Fingerprint, inputs: Mapping[str, InputE
     return statement(node.stage.name, node.config, code, contents)
 
 
-def _judge(name: str, node: Node[Any], store: Store, found: Mapping[int, Manifest]) -> Verdict:
+def _judge(
+    name: str,
+    node: Node[Any],
+    code: Fingerprint,
+    store: Store,
+    found: Mapping[int, Manifest],
+    accept_code: bool,
+) -> Verdict:
     stage = node.stage.name
     nodes = {role: source_node(source) for role, source in node.inputs.items()}
     known = {role: source for role, source in node.inputs.items() if id(nodes[role]) in found}
     waits_for = tuple(dict.fromkeys(n.stage.name for role, n in nodes.items() if role not in known))
     inputs = input_entries(known, found)
-    stated = statement_of(node, fingerprint_of(node), inputs)
-    if not waits_for and (manifest := store.find(stated.ref)):
-        return Hit(name, stage, stated.key, manifest)
+    stated = statement_of(node, code, inputs)
+    if not waits_for and (verdict := _obtainable(name, stated, store, accept_code)):
+        return verdict
     key = None if waits_for else stated.key
+    resume = None if waits_for else _resume(stated.ref, store)
     unknown = {role: InputEntry(n.stage.name, "", None, UNKNOWN) for role, n in nodes.items()}
     past = nearest(stated, {**unknown, **inputs}, store)
     if past is None:
-        return Missing(name, stage, key)
+        return Missing(name, stage, key, resume)
     manifest, reasons = past
     forecast = Forecast(manifest.seconds, manifest.size)
     if waits_for and not reasons:
         return Pending(name, stage, waits_for, forecast)
-    return Changed(name, stage, key, reasons, forecast)
+    return Changed(name, stage, key, reasons, forecast, resume)
+
+
+def _obtainable(
+    name: str, stated: Statement, store: Store, accept_code: bool
+) -> Hit | Damaged | Acceptable | None:
+    """Verdict on a result whose inputs are known, ``None`` if it would have to be computed."""
+    try:
+        manifest = store.find(stated.ref)
+    except DamagedError as error:
+        return Damaged(name, stated.stage, stated.key, error.problems)
+    if manifest is not None:
+        return Hit(name, stated.stage, stated.key, manifest, _versions(manifest))
+    if not accept_code:
+        return None
+    from pipeline.acceptance import acceptable
+
+    other = acceptable(stated, store)
+    if other is None:
+        return None
+    changes = tuple(code_changes(other.modules, stated.code.modules))
+    return Acceptable(name, stated.stage, stated.key, other, changes, _versions(other))
+
+
+def _versions(manifest: Manifest) -> tuple[str, ...]:
+    return tuple(version_changes(manifest.environment.get("versions", {})))
+
+
+def _resume(ref: Ref, store: Store) -> CheckpointSummary | None:
+    path = store.checkpoint(ref)
+    return None if path is None else summary(path, ref.key)

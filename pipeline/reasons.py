@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from pipeline.canonical import leaves
 from pipeline.errors import StoreError
 from pipeline.keys import SCHEMA, Statement
 from pipeline.manifest import InputEntry, Manifest
@@ -22,6 +21,21 @@ class Absent:
 
 ABSENT = Absent()
 
+LONGEST = 100
+"""Characters of a value in a message."""
+
+
+def _told(value: Any) -> str:
+    """A value as it stands in messages: of a model its name, then what it holds, cut short."""
+    if not isinstance(value, dict):
+        text = repr(value)
+    else:
+        tag = next((value[one] for one in ("name", "kind") if one in value), None)
+        rest = ", ".join(f"{k}={v!r}" for k, v in value.items() if k not in ("name", "kind"))
+        text = f"{{{rest}}}" if tag is None else f"{tag} ({rest})" if rest else str(tag)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+
+
 UNKNOWN = ""
 """Content id of an input that is not known before its stage has run."""
 
@@ -34,8 +48,12 @@ class ConfigChanged:
     was: Any
     now: Any
 
+    def named(self, name: str) -> ConfigChanged:
+        """The same with another name of the field."""
+        return replace(self, field=name)
+
     def __str__(self) -> str:
-        return f"{self.field} is {self.now!r}, was {self.was!r}"
+        return f"{self.field} is {_told(self.now)}, was {_told(self.was)}"
 
 
 @dataclass(frozen=True)
@@ -81,7 +99,11 @@ def nearest(
     *,
     among: int | None = None,
 ) -> tuple[Manifest, tuple[Reason, ...]] | None:
-    """Past result of a stage with the fewest differences, the latest of these, and the differences.
+    """Past result of a stage that is most like the one asked for, and the differences.
+
+    That is the one with the fewest differences in its configuration, of these the one with the fewest
+    in its inputs, then in its code, then the latest: a result of the same request by older code tells more
+    than one of another request by the present code.
 
     Parameters
     ----------
@@ -102,10 +124,16 @@ def nearest(
             manifest = store.manifest(ref)
         except StoreError:
             continue  # damage to one result must not keep others from being computed
-        reasons = tuple(differences(manifest, stated, inputs))
-        if best is None or (-len(reasons), manifest.finished) > (-len(best[1]), best[0].finished):
-            best = manifest, reasons
+        found = manifest, tuple(differences(manifest, stated, inputs))
+        if best is None or _likeness(*found) > _likeness(*best):
+            best = found
     return best
+
+
+def _likeness(manifest: Manifest, reasons: tuple[Reason, ...]) -> tuple[Any, ...]:
+    kinds = (SchemaChanged, ConfigChanged, InputChanged, CodeChanged)
+    counts = (-sum(isinstance(reason, kind) for reason in reasons) for kind in kinds)
+    return (*counts, manifest.finished)
 
 
 def differences(
@@ -114,21 +142,49 @@ def differences(
     """Why a past result is not the one asked for."""
     if past.schema != SCHEMA:
         yield SchemaChanged(past.schema, SCHEMA)
-    was, now = dict(leaves(past.config)), dict(leaves(stated.config))
-    for field in {**now, **was}:
-        before, after = was.get(field, ABSENT), now.get(field, ABSENT)
-        if repr(before) != repr(after):  # 1 and 1.0 differ
-            yield ConfigChanged(field, before, after)
+    yield from config_changes(past.config, stated.config)
     for role in {**inputs, **past.inputs}:
         source, source_before = inputs.get(role), past.inputs.get(role)
         if source is None or source_before is None:
             yield InputChanged(role, (source or past.inputs[role]).stage)
         elif source.content not in (UNKNOWN, source_before.content):
             yield InputChanged(role, source.stage)
-    for module in sorted({*past.modules, *stated.code.modules}):
-        if module not in past.modules:
+    yield from code_changes(past.modules, stated.code.modules)
+
+
+def config_changes(was: Any, now: Any, field: str = "") -> Iterator[ConfigChanged]:
+    """Differences between two canonical configurations, each told once and at its root.
+
+    What came or went is told as a whole, as is a table that is now of another model (its ``name`` or
+    ``kind`` differs), and a list of numbers.
+    """
+    if isinstance(was, dict) and isinstance(now, dict) and _are_of_one_model(was, now):
+        for name in {**now, **was}:
+            place = f"{field}.{name}".lstrip(".")
+            yield from config_changes(was.get(name, ABSENT), now.get(name, ABSENT), place)
+    elif isinstance(was, list) and isinstance(now, list) and _has_tables(was) and _has_tables(now):
+        for i in range(max(len(was), len(now))):
+            before = was[i] if i < len(was) else ABSENT
+            after = now[i] if i < len(now) else ABSENT
+            yield from config_changes(before, after, f"{field}.{i}")
+    elif repr(was) != repr(now):  # 1 and 1.0 differ
+        yield ConfigChanged(field, was, now)
+
+
+def _are_of_one_model(was: Mapping[str, Any], now: Mapping[str, Any]) -> bool:
+    return all(was.get(tag) == now.get(tag) for tag in ("name", "kind"))
+
+
+def _has_tables(items: list[Any]) -> bool:
+    return any(isinstance(item, dict | list) for item in items)
+
+
+def code_changes(was: Mapping[str, str], now: Mapping[str, str]) -> Iterator[CodeChanged]:
+    """Modules that differ between two fingerprints, by their digests."""
+    for module in sorted({*was, *now}):
+        if module not in was:
             yield CodeChanged(module, "added")
-        elif module not in stated.code.modules:
+        elif module not in now:
             yield CodeChanged(module, "removed")
-        elif past.modules[module] != stated.code.modules[module]:
+        elif was[module] != now[module]:
             yield CodeChanged(module, "edited")

@@ -28,18 +28,18 @@ class Sources:
     """
 
     def __init__(self) -> None:
-        self._contents: dict[Path, bytes] = {}
-        self._found: dict[str, Path | None] = {}
-        self._read: dict[str, SourceFile] = {}
+        self._files: dict[str, str | None] = {}
+        self._contents: dict[str, bytes] = {}
+        self._sources: dict[str, SourceFile] = {}
         self._parsed: dict[str, SourceFile] = {}
         self._folders: dict[str, Entries] = {}
         self._tops: dict[str, list[str]] = {}
 
-    def locate(self, name: str) -> Path | None:
+    def locate(self, name: str) -> str | None:
         """Source file of a module, by the location of its top-level package; ``None`` if absent."""
-        if name not in self._found:
-            self._found[name] = self._locate(name)
-        return self._found[name]
+        if name not in self._files:
+            self._files[name] = self._locate(name)
+        return self._files[name]
 
     def read(self, name: str) -> SourceFile | None:
         """What the file of a module says, ``None`` if there is no file.
@@ -49,58 +49,59 @@ class Sources:
         InputError
             If it is not valid Python.
         """
-        if name not in self._read:
-            path = self.locate(name)
-            if path is None:
+        if name not in self._sources:
+            file = self.locate(name)
+            if file is None:
                 return None
-            self._read[name] = self._source(path, name)
-        return self._read[name]
+            self._sources[name] = self._source(file, name)
+        return self._sources[name]
 
     def content(self, name: str) -> str | None:
         """Content id of the file of a module, ``None`` if there is no file."""
-        path = self.locate(name)
-        return None if path is None else content_id(self._bytes(path), name, path.name)
+        file = self.locate(name)
+        return None if file is None else content_id(self._bytes(file), name, file)
 
     def keep(self) -> None:
         """Keep on disk what had to be parsed."""
-        _cache().add(self._parsed)
-        self._parsed = {}
+        if self._parsed:
+            _cache().add(self._parsed)
+            self._parsed = {}
 
-    def _source(self, path: Path, name: str) -> SourceFile:
-        contents = self._bytes(path)
-        package = package_of(name, path.name)
-        content = content_id(contents, name, path.name)
+    def _source(self, file: str, name: str) -> SourceFile:
+        contents = self._bytes(file)
+        content = content_id(contents, name, file)
         source = known_source(content)
         if source is None:
             try:
-                source = parsed(contents, package)
+                source = parsed(contents, package_of(name, file))
             except SyntaxError as error:
                 raise InputError(
-                    f"{path}, line {error.lineno}: not valid Python: {error.msg}"
+                    f"{file}, line {error.lineno}: not valid Python: {error.msg}"
                 ) from error
             except ValueError as error:  # null bytes
-                raise InputError(f"{path}: not valid Python: {error}") from error
+                raise InputError(f"{file}: not valid Python: {error}") from error
             self._parsed[content] = _KNOWN[content] = source
         return source
 
-    def _bytes(self, path: Path) -> bytes:
-        if path not in self._contents:
-            self._contents[path] = path.read_bytes()
-        return self._contents[path]
+    def _bytes(self, file: str) -> bytes:
+        if file not in self._contents:
+            with open(file, "rb", buffering=0) as opened:
+                self._contents[file] = opened.readall()
+        return self._contents[file]
 
-    def _locate(self, name: str) -> Path | None:
+    def _locate(self, name: str) -> str | None:
         top, *rest = name.split(".")
         if top not in self._tops:
             self._tops[top] = _search_path(top)
         for base in self._tops[top]:
             folder, above, inside = base, Entries(), self._list(base)
             for part in rest:
-                folder, above = os.path.join(folder, part), inside
+                folder, above = f"{folder}{os.sep}{part}", inside
                 inside = self._list(folder) if above.get(part) is False else Entries()
             if inside.get("__init__.py"):  # Python prefers a package, too
-                return Path(folder, "__init__.py")
+                return f"{folder}{os.sep}__init__.py"
             if rest and above.get(f"{rest[-1]}.py"):
-                return Path(f"{folder}.py")
+                return f"{folder}.py"
         return None if rest else _single_file(top)
 
     def _list(self, folder: str) -> Entries:
@@ -120,7 +121,8 @@ def known_source(content: str) -> SourceFile | None:
 
 def locate(name: str) -> Path | None:
     """Source file of a module as things are now; ``None`` if absent."""
-    return Sources().locate(name)
+    file = Sources().locate(name)
+    return None if file is None else Path(file)
 
 
 @cache
@@ -144,7 +146,7 @@ def _search_path(top: str) -> list[str]:
     return list((spec and spec.submodule_search_locations) or ())
 
 
-def _single_file(top: str) -> Path | None:
+def _single_file(top: str) -> str | None:
     """File of a top-level module that is no package, or of the running script."""
     loaded = getattr(sys.modules.get(top), "__file__", None)
     if loaded is None:
@@ -153,4 +155,4 @@ def _single_file(top: str) -> Path | None:
         except (ImportError, ValueError):
             return None
         loaded = spec.origin if spec else None
-    return Path(loaded) if loaded and Path(loaded).suffix == ".py" else None
+    return loaded if loaded and loaded.endswith(".py") else None

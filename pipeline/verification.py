@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -70,7 +71,7 @@ def wrong_checksum(path: str) -> str:
 def size_problem(data: Path, file: FileEntry) -> str | None:
     """The problem of a file whose size is not the published one, ``None`` if it is."""
     try:
-        size = (data / file.path).stat().st_size
+        size = os.stat(os.path.join(data, file.path)).st_size
     except OSError:
         return f"{file.path} is missing"
     return None if size == file.size else f"{file.path} has {size} bytes instead of {file.size}"

@@ -13,6 +13,7 @@ import typer
 import typer.core
 
 from workflows.options import (
+    AcceptCode,
     Config,
     Name,
     Out,
@@ -158,12 +159,16 @@ for _stage in ("geometry", "electrophysiology", "activation", "mechanics", "post
 
 @app.command()
 def explain(
-    workflow: Name, config: Config = None, settings: Settings = None, store: StorePath = None
+    workflow: Name,
+    config: Config = None,
+    settings: Settings = None,
+    store: StorePath = None,
+    accept_code: AcceptCode = False,
 ) -> None:
     """Tell which stages would be computed, and why."""
-    from workflows.commands import explain_workflow
+    from workflows.explanation import explain_workflow
 
-    explain_workflow(workflow, config, settings or [], store)
+    explain_workflow(workflow, config, settings or [], store, accept_code=accept_code)
 
 
 @app.command("list")

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from workflows.progress import duration, on_terminal, size, watching
+from workflows.progress import on_terminal, watching
 from workflows.registry import ENTRIES
 from workflows.request import Request, open_store, output_folder
 from workflows.tables import aligned, fitted, number, parameter
@@ -16,7 +16,6 @@ from workflows.ways import USUAL, Way
 from workflows.workflow import check_limits
 
 if TYPE_CHECKING:
-    from pipeline.plan import Verdict
     from workflows.workflow import Quantity
 
 
@@ -113,22 +112,6 @@ def run_stage(
         print(f"summary  {folder / 'summary.json'}")
 
 
-def explain_workflow(
-    name: str, config: Path | None, overrides: Sequence[str], store: str | None
-) -> None:
-    """Tell which stages would be computed, why, and at what cost."""
-    from pipeline.plan import explain
-    from workflows.accuracy import picked
-
-    request = Request.read(name, config, overrides)
-    if (numbers := picked(request.config)) is not None:
-        print(f"{'electrophysiology:':20}{numbers}")
-    for verdict in explain(request.nodes(), open_store(store)):
-        print(f"{verdict.node + ':':20}{_judged(verdict)}")
-        for reason in getattr(verdict, "reasons", ()):
-            print(f"{'':20}- {reason}")
-
-
 def list_all() -> None:
     """One line for each workflow."""
     for line in aligned([(entry.name, entry.about) for entry in ENTRIES]):
@@ -149,23 +132,6 @@ def show_parameters(name: str, config: Path | None, overrides: Sequence[str]) ->
     lines = fitted(rows, shutil.get_terminal_size().columns) if on_terminal() else aligned(rows)
     for line in lines:
         print(line)
-
-
-def _judged(verdict: Verdict) -> str:
-    from pipeline.plan import Changed, Hit, Missing, Pending
-
-    if isinstance(verdict, Hit):
-        return "hit"
-    if isinstance(verdict, Missing):
-        return "miss: the store holds no result of this stage yet"
-    cost = (
-        f"a similar run took {duration(verdict.forecast.seconds)} and {size(verdict.forecast.size)}"
-    )
-    if isinstance(verdict, Pending):
-        after = ", ".join(verdict.waits_for)
-        return f"depends on {after}: a hit if what that gives is the same as before ({cost})"
-    assert isinstance(verdict, Changed)
-    return f"miss ({cost})"
 
 
 def _tell_results(request: Request, quantities: dict[str, Quantity], folder: Path) -> None:

@@ -72,3 +72,11 @@ RecomputeDamaged = Annotated[
         "store and compute them again.",
     ),
 ]
+AcceptCode = Annotated[
+    bool,
+    typer.Option(
+        "--accept-code",
+        help="Accept kept results whose parameters and inputs are equal and whose code alone is another: "
+        "after an edit that changes no result.",
+    ),
+]

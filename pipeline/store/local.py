@@ -182,6 +182,11 @@ class LocalStore:
             found = [(state(folder / key), key) for key in _entries(folder)]
         return [Ref(stage, key) for _, key in heapq.nlargest(count, found)]
 
+    def checkpoint(self, ref: Ref) -> Path | None:
+        """File with the checkpoint of an interrupted computation, ``None`` if there is none."""
+        path = self.path / "checkpoints" / ref.key / "state.npz"
+        return path if path.is_file() else None
+
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` recomputes every checksum and the key."""
         try:

@@ -126,6 +126,10 @@ class Store(Protocol):
         """The artefacts of a stage that were published last, at most ``count`` of them."""
         ...
 
+    def checkpoint(self, ref: Ref) -> Path | None:
+        """Local file with the checkpoint of an interrupted computation, ``None`` if there is none."""
+        ...
+
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` recomputes every checksum."""
         ...
