@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from pipeline.annotations import Unknown, alternatives, field_hints
@@ -17,12 +18,17 @@ def is_record_type(hint: Any) -> bool:
     return isinstance(hint, type) and dataclasses.is_dataclass(hint)
 
 
-def parts_of(record: type) -> dict[str, type]:
+def parts_of(record: type) -> Mapping[str, type]:
     """Record class of each part, if *all* fields are records; otherwise the record as a whole.
 
     Parts are stored apart, each with its own content id, so that a consumer of one is not disturbed
     by a change in another.
     """
+    return _parts_of(record)
+
+
+@cache
+def _parts_of(record: type) -> Mapping[str, type]:
     hints = {name: alternatives(hint) for name, hint, _ in field_hints(record)}
     if hints and all(len(one) == 1 and is_record_type(one[0]) for one in hints.values()):
         return {name: one[0] for name, one in hints.items()}

@@ -8,6 +8,7 @@ ones give equal keys. Plain Python, for configurations are read with it.
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -97,23 +98,40 @@ def with_picked_setting(data: Any) -> Any:
     if accuracy is not None and not (isinstance(accuracy, int | float) and accuracy > 0):
         return _unpicked(data, cells)
     try:
-        tissue = _tissue(cells)
         length, width = (float(data["geometry"][side]) for side in ("length", "width"))
+        numbers = _numbers_of(cells, asked[0], (length, width))
     except (ValidationError, KeyError, TypeError, ValueError):  # told where the section is read
         return _unpicked(data, cells)
+    return {**data, "electrophysiology": {**cells, **numbers}}
+
+
+def _numbers_of(
+    cells: Mapping[str, Any], asked: str, sides: tuple[float, float]
+) -> Mapping[str, Any]:
+    """Fields that are picked; remembered, since many configurations may have the same cells."""
+    known = json.dumps([cells, sides], default=repr)
+    if known not in _PICKED:
+        if len(_PICKED) >= REMEMBERED:
+            _PICKED.clear()
+        _PICKED[known] = _pick(cells, asked, sides)
+    return _PICKED[known]
+
+
+REMEMBERED = 1000
+_PICKED: dict[str, Mapping[str, Any]] = {}
+
+
+def _pick(cells: Mapping[str, Any], asked: str, sides: tuple[float, float]) -> Mapping[str, Any]:
+    tissue = _tissue(cells)
     front = tissue_front(tissue)
     if front is None:
         raise PydanticCustomError(
             "no_front",
             "electrophysiology.{asked}: these cells carry no front by which a mesh could be picked; give "
             "elements, degree and n_steps",
-            {"asked": asked[0]},
+            {"asked": asked},
         )
-    setting = _chosen(cells, front, length, width)
-    return {
-        **data,
-        "electrophysiology": {**cells, **_numbers(setting, front, tissue, (length, width))},
-    }
+    return _numbers(_chosen(cells, front, *sides), front, tissue, sides)
 
 
 def picked(config: Any) -> str | None:

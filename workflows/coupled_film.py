@@ -14,12 +14,10 @@ from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from stages.activation.config import ActivationConfig, TransferConfig
-from stages.configuration import Section
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig
 from stages.mechanics.config import MechanicsConfig
 from stages.postprocessing.config import PostprocessingConfig
-from workflows.accuracy import with_picked_setting
 from workflows.conduction import conducting
 from workflows.film_checks import (
     acting_off_the_film,
@@ -31,13 +29,14 @@ from workflows.film_checks import (
 )
 from workflows.tables import exact
 from workflows.tissue_checks import tip_potential_out_of_reach, unfit_stimuli, unfit_tissue
+from workflows.tissue_experiment import TissueExperiment
 from workflows.workflow import Export
 
 if TYPE_CHECKING:
     from pipeline.nodes import Node
 
 
-class CoupledFilmConfig(Section):
+class CoupledFilmConfig(TissueExperiment):
     """All parameters of the experiment, section by section."""
 
     geometry: FilmConfig
@@ -45,12 +44,6 @@ class CoupledFilmConfig(Section):
     activation: ActivationConfig
     mechanics: MechanicsConfig
     postprocessing: PostprocessingConfig
-
-    @model_validator(mode="before")
-    @classmethod
-    def _pick_setting(cls, data: Any) -> Any:
-        """Mesh, steps and scheme of the cells, where a preset or an accuracy picks them."""
-        return with_picked_setting(data)
 
     @model_validator(mode="after")
     def _sections_fit_together(self) -> CoupledFilmConfig:

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.configuration import Section
 from stages.electrophysiology.config import ElectrophysiologyConfig
 from stages.electrophysiology.protocols.config import WindowConfig, WindowProtocol
 from stages.geometry.config import FilmConfig
 from stages.paced_artefacts import REENTRY
-from workflows.accuracy import with_picked_setting
 from workflows.conduction import conducting
 from workflows.film_checks import off_the_film
 from workflows.film_quantities import listed
 from workflows.surfaces import excitable_film
 from workflows.tissue_checks import unfit_stimuli, unfit_tissue
+from workflows.tissue_experiment import TissueExperiment
 from workflows.workflow import Export, Quantity, Workflow
 
 if TYPE_CHECKING:
@@ -26,18 +25,12 @@ if TYPE_CHECKING:
     from stages.paced_artefacts import VulnerableWindow
 
 
-class WindowWorkflowConfig(Section):
+class WindowWorkflowConfig(TissueExperiment):
     """All parameters of the experiment, section by section."""
 
     geometry: FilmConfig
     electrophysiology: ElectrophysiologyConfig
     protocol: WindowProtocol
-
-    @model_validator(mode="before")
-    @classmethod
-    def _pick_setting(cls, data: Any) -> Any:
-        """Mesh, steps and scheme of the cells, where a preset or an accuracy picks them."""
-        return with_picked_setting(data)
 
     @model_validator(mode="after")
     def _sections_fit_together(self) -> WindowWorkflowConfig:

@@ -16,10 +16,10 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from pipeline.config.layers import merged, overridden, read_toml
+from pipeline.config.layers import overridden, read_toml
 from pipeline.config.libraries import expanded
 from pipeline.config.parameters import Parameter, describe
-from pipeline.config.picks import cleared
+from pipeline.config.picks import laid_over
 from pipeline.config.problems import told
 from pipeline.config.quantities import converted
 from pipeline.errors import InputError
@@ -48,10 +48,7 @@ def load(model: type[M], layers: Sequence[Mapping[str, Any]], overrides: Sequenc
     InputError
         Naming every problem: field, value, what is allowed, the nearest valid name.
     """
-    data: dict[str, Any] = {}
-    for layer in (*layers, overridden({}, overrides)):
-        data = merged([cleared(model, data, layer), layer])
-    data, problems = expanded(model, data)
+    data, problems = expanded(model, laid_over(model, (*layers, overridden({}, overrides))))
     data, unread = converted(model, data)
     problems |= unread
     try:

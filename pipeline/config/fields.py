@@ -5,6 +5,7 @@ from __future__ import annotations
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import Annotated, Any, Literal, Protocol, get_args, get_origin, runtime_checkable
 
 from pydantic import BaseModel
@@ -36,7 +37,11 @@ class Choice(Protocol):
 
 @dataclass(frozen=True)
 class Declared:
-    """Declaration of a value: its type, its unit (that of the field it is in) and its choice."""
+    """Declaration of a value: its type, its unit (that of the field it is in) and its choice.
+
+    What follows from these is found once for each declaration: thousands of tables of one model may be
+    read in a row.
+    """
 
     hint: Any
     unit: str = ""
@@ -47,8 +52,7 @@ class Declared:
     @classmethod
     def of(cls, model: type[BaseModel], name: str) -> Declared | None:
         """Declaration of the field of a model, ``None`` if it has no such field."""
-        info = model.model_fields.get(name)
-        return None if info is None else cls.of_field(info)
+        return _fields(model).get(name)
 
     @classmethod
     def of_field(cls, info: FieldInfo) -> Declared:
@@ -73,6 +77,10 @@ class Declared:
 
     def members(self) -> tuple[Declared, ...]:
         """Members of a union, or the declaration itself."""
+        return self._members
+
+    @cached_property
+    def _members(self) -> tuple[Declared, ...]:
         if get_origin(self.hint) in _UNIONS:
             return tuple(
                 one
@@ -100,10 +108,18 @@ class Declared:
 
     def origins(self) -> list[Any]:
         """Classes of the members: ``tuple`` for ``tuple[int, int]``."""
+        return self._origins
+
+    @cached_property
+    def _origins(self) -> list[Any]:
         return list(dict.fromkeys(get_origin(m.hint) or m.hint for m in self.members()))
 
     def models(self) -> list[type[BaseModel]]:
         """Members that are models."""
+        return self._models
+
+    @cached_property
+    def _models(self) -> list[type[BaseModel]]:
         return [
             one for one in self.origins() if isinstance(one, type) and issubclass(one, BaseModel)
         ]
@@ -113,8 +129,8 @@ class Declared:
         for member in self.members():
             if member.choice is not None:
                 name = data if isinstance(data, str) else _entry(data, member.choice.tag)
-                if isinstance(name, str) and name in member.choice.names():
-                    return member.choice.load(name)
+                if isinstance(name, str) and (found := _picked(member.choice, name)):
+                    return found
         if not isinstance(data, Mapping):
             return None
         fitting = [model for model in self.models() if _tags_fit(model, data)]
@@ -127,12 +143,27 @@ class Declared:
 
 def fields_of(model: type[BaseModel]) -> Iterator[tuple[str, Declared]]:
     """Name and declaration of each field of a model."""
-    for name, info in model.model_fields.items():
-        yield name, Declared.of_field(info)
+    yield from _fields(model).items()
+
+
+@cache
+def _fields(model: type[BaseModel]) -> dict[str, Declared]:
+    return {name: Declared.of_field(info) for name, info in model.model_fields.items()}
 
 
 def _choice(metadata: Sequence[Any]) -> Choice | None:
     return next((item for item in metadata if isinstance(item, Choice)), None)
+
+
+def _picked(choice: Choice, name: str) -> type[BaseModel] | None:
+    """Model of a name, if it is on offer; looked for on disk until it has been found once."""
+    found = _PICKED.get((choice, name))
+    if found is None and name in choice.names():
+        found = _PICKED[choice, name] = choice.load(name)
+    return found
+
+
+_PICKED: dict[tuple[Choice, str], type[BaseModel]] = {}
 
 
 def _entry(data: Any, key: str) -> Any:

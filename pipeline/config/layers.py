@@ -51,9 +51,19 @@ def overridden(data: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, A
     InputError
         If a string is not of that form, or a place in a list does not exist.
     """
+    return _merge_tables(data, nested(_parsed(override) for override in overrides))
+
+
+def nested(settings: Iterable[tuple[Sequence[str], Any]]) -> dict[str, Any]:
+    """Tables with values at dotted names, each given as a sequence; the last one wins.
+
+    Examples
+    --------
+    >>> nested([(("law",), "linear"), (("law", "k"), 2)])
+    {'law': {'name': 'linear', 'k': 2}}
+    """
     layer: dict[str, Any] = {}
-    for override in overrides:
-        names, value = _parsed(override)
+    for names, value in settings:
         table = layer
         for name in names[:-1]:
             above = table.get(name)
@@ -61,7 +71,7 @@ def overridden(data: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, A
                 table[name] = {"name": above} if isinstance(above, str) else {}
             table = table[name]
         table[names[-1]] = value
-    return _merge_tables(data, layer)
+    return layer
 
 
 def _parsed(override: str) -> tuple[list[str], Any]:
@@ -69,10 +79,17 @@ def _parsed(override: str) -> tuple[list[str], Any]:
     names = [name.strip() for name in key.split(".")]
     if not equals or not all(names):
         raise InputError(f"--set needs SECTION.KEY=VALUE, got {override!r}")
-    return names, _value(text.strip())
+    return names, literal(text.strip())
 
 
-def _value(text: str) -> Any:
+def literal(text: str) -> Any:
+    """Value of a text: TOML if it is valid TOML, else the text itself.
+
+    Examples
+    --------
+    >>> literal("0.5"), literal("[1, 2]"), literal("15 um"), literal('"S1"')
+    (0.5, [1, 2], '15 um', 'S1')
+    """
     try:
         table = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:

@@ -22,7 +22,9 @@ def expanded(
     """
     result, problems = dict(data), {}
     for name, declared in fields_of(model):
-        value, place = data.get(name), f"{path}.{name}".lstrip(".")
+        if name not in data:
+            continue
+        value, place = data[name], f"{path}.{name}".lstrip(".")
         choice = declared.any_choice()
         sets = data.get(choice.library) if choice is not None and choice.library else None
         if choice is not None and isinstance(sets, Mapping):

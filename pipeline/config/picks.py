@@ -8,12 +8,21 @@ model can refuse the contradiction.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel
 
 from pipeline.config.fields import fields_of
+from pipeline.config.layers import merged
+
+
+def laid_over(model: type[BaseModel], layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """One table from several of growing precedence, picked fields taken away where they must be."""
+    data: dict[str, Any] = {}
+    for layer in layers:
+        data = merged([cleared(model, data, layer), layer])
+    return data
 
 
 def cleared(
@@ -28,7 +37,9 @@ def cleared(
     }
     kept = {name: value for name, value in below.items() if name not in picked}
     for name, declared in fields_of(model):
-        inner, over = kept.get(name), above.get(name)
+        if name not in above:
+            continue
+        inner, over = kept.get(name), above[name]
         if isinstance(inner, Mapping) and isinstance(over, Mapping):
             for section in declared.models():
                 kept[name] = cleared(section, inner, over)

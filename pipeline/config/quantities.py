@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Literal
 
 from pydantic import BaseModel
@@ -35,6 +35,7 @@ def converted(
     return _convert(data, Declared(model), "", problems), problems
 
 
+@lru_cache(maxsize=4096)
 def to_unit(text: str, unit: str) -> float:
     """Number in a unit, from a text such as ``"18 um"``.
 
