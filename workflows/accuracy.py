@@ -100,6 +100,8 @@ def with_picked_setting(data: Any) -> Any:
     try:
         length, width = (float(data["geometry"][side]) for side in ("length", "width"))
         numbers = _numbers_of(cells, asked[0], (length, width))
+    except PydanticCustomError:  # nothing fits: a ValueError, but no mistake in the section
+        raise
     except (ValidationError, KeyError, TypeError, ValueError):  # told where the section is read
         return _unpicked(data, cells)
     return {**data, "electrophysiology": {**cells, **numbers}}

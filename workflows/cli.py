@@ -24,6 +24,7 @@ from workflows.options import (
     path_given,
 )
 from workflows.store_cli import store_app
+from workflows.sweep.cli import sweep
 
 
 class Commands(typer.core.TyperGroup):
@@ -85,6 +86,7 @@ app = typer.Typer(
     "a store and never computed twice.",
 )
 app.add_typer(store_app, name="store")
+app.command("sweep")(sweep)
 
 
 @app.callback()

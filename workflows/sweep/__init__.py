@@ -1,0 +1,1 @@
+"""Many runs of one workflow that differ in some of its parameters."""

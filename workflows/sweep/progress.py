@@ -1,0 +1,178 @@
+"""What the user sees while a sweep runs: bars on a terminal, a line now and then elsewhere."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Protocol
+
+from pipeline.events import CaseEvent, Event, StageStopping, StageWarned
+from workflows.progress import SECONDS_BETWEEN_LINES, duration, on_terminal, told
+from workflows.sweep.pace import Pace
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+
+class Display(Protocol):
+    """Tells how a sweep goes."""
+
+    def __call__(self, event: Event) -> None:
+        """Tell one event, if it is worth it."""
+        ...
+
+    def case_done(self, name: str, error: str | None) -> None:
+        """Tell that a case has ended, with its error if it failed."""
+        ...
+
+
+@contextlib.contextmanager
+def watching_cases(pace: Pace, *, quiet: bool, verbose: bool) -> Iterator[Display]:
+    """Display that suits where the output goes; when quiet, warnings and failures only."""
+    with contextlib.ExitStack() as stack:
+        if not quiet and on_terminal():
+            from rich.progress import BarColumn, Progress, TextColumn
+
+            progress = Progress(
+                TextColumn("{task.description}"),
+                BarColumn(bar_width=None),
+                TextColumn("{task.fields[told]}"),
+                transient=True,
+            )
+            yield CaseBars(stack.enter_context(progress), pace, verbose=verbose)
+        else:
+            yield CaseLines(_say, pace, quiet=quiet, verbose=verbose)
+
+
+def summary(pace: Pace) -> str:
+    """How far all is, in words.
+
+    Examples
+    --------
+    >>> pace = Pace(21, {})
+    >>> pace.case_done(failed=False); pace.case_done(failed=True)
+    >>> summary(pace)
+    '2 of 21 cases, 1 failed'
+    """
+    words = f"{pace.done + pace.failed} of {pace.cases} cases"
+    return words + (f", {pace.failed} failed" if pace.failed else "")
+
+
+def noteworthy(event: Event, *, verbose: bool) -> str:
+    """Line about an event, empty for those that say nothing about a sweep as a whole."""
+    case, inner = (event.case, event.event) if isinstance(event, CaseEvent) else ("", event)
+    if not verbose and not isinstance(inner, StageWarned | StageStopping):
+        return ""
+    line = told(inner)
+    return f"{case}, {line}" if line and case else line
+
+
+class CaseLines:
+    """Lines: the state every ten seconds, and at once what is wrong.
+
+    Parameters
+    ----------
+    say
+        Writes a line.
+    pace
+        State of the sweep, which hears of everything first.
+    quiet, verbose
+        Whether to tell problems only; whether to tell every stage of every case.
+    clock
+        Seconds.
+    """
+
+    def __init__(
+        self,
+        say: Callable[[str, bool], None],
+        pace: Pace,
+        *,
+        quiet: bool = False,
+        verbose: bool = False,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._say, self._pace, self._clock = say, pace, clock
+        self._quiet, self._verbose = quiet, verbose
+        self._last = clock()
+
+    def __call__(self, event: Event) -> None:
+        """Tell one event."""
+        self._pace(event)
+        if line := noteworthy(event, verbose=self._verbose):
+            self._say(line, True)
+        self._now_and_then()
+
+    def case_done(self, name: str, error: str | None) -> None:
+        """Tell a failure at once."""
+        self._pace.case_done(failed=error is not None)
+        if error is not None:
+            self._say(f"case {name} failed: {error.splitlines()[0]}", True)
+        self._now_and_then()
+
+    def _now_and_then(self) -> None:
+        now = self._clock()
+        if self._quiet or now - self._last < SECONDS_BETWEEN_LINES:
+            return
+        self._last = now
+        stages = ", ".join(
+            f"{name} {len(stage.there)}/{stage.total}" for name, stage in self._pace.stages.items()
+        )
+        left = self._pace.left()
+        more = f", about {duration(left)} left" if left is not None else ""
+        self._say(f"{summary(self._pace)} ({stages}){more}", False)
+
+
+class CaseBars:
+    """A bar for all cases and one per stage; what is noteworthy are lines above them.
+
+    Parameters
+    ----------
+    progress
+        Where the bars are.
+    pace
+        State of the sweep, which hears of everything first.
+    verbose
+        Whether to tell every stage of every case.
+    """
+
+    def __init__(self, progress: Progress, pace: Pace, *, verbose: bool = False) -> None:
+        self._progress, self._pace, self._verbose = progress, pace, verbose
+        self._cases = progress.add_task("cases", total=pace.cases, told="")
+        self._stages: dict[str, TaskID] = {}
+        self._update()
+
+    def __call__(self, event: Event) -> None:
+        """Tell one event."""
+        self._pace(event)
+        if line := noteworthy(event, verbose=self._verbose):
+            self._progress.console.print(line, highlight=False, markup=False)
+        self._update()
+
+    def case_done(self, name: str, error: str | None) -> None:
+        """Move the bar of the cases."""
+        self._pace.case_done(failed=error is not None)
+        if error is not None:
+            line = f"case {name} failed: {error.splitlines()[0]}"
+            self._progress.console.print(line, highlight=False, markup=False)
+        self._update()
+
+    def _update(self) -> None:
+        left = self._pace.left()
+        more = f", about {duration(left)} left" if left is not None else ""
+        ended = self._pace.done + self._pace.failed
+        self._progress.update(self._cases, completed=ended, told=summary(self._pace) + more)
+        for name, stage in self._pace.stages.items():
+            if name not in self._stages:
+                self._stages[name] = self._progress.add_task(f"  {name}", told="")
+            self._progress.update(
+                self._stages[name],
+                total=stage.total,
+                completed=self._pace.share(name),
+                told=f"{len(stage.there)} of {stage.total}",
+            )
+
+
+def _say(line: str, problem: bool) -> None:
+    print(line, file=sys.stderr if problem else sys.stdout, flush=True)
