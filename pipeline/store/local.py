@@ -178,8 +178,10 @@ class LocalStore:
     def newest(self, stage: str, count: int) -> list[Ref]:
         """The artefacts of a stage that were published last, at most ``count`` of them."""
         folder = self.path / "objects" / stage
-        with storing(folder):
-            found = [(state(folder / key), key) for key in _entries(folder)]
+        found = []
+        for key in _entries(folder):
+            with storing(folder), contextlib.suppress(FileNotFoundError):  # removed just now
+                found.append((state(folder / key), key))
         return [Ref(stage, key) for _, key in heapq.nlargest(count, found)]
 
     def checkpoint(self, ref: Ref) -> Path | None:

@@ -53,11 +53,12 @@ class LocalUpkeep:
     def last_uses(self) -> dict[Ref, float]:
         """When a run found each artefact last, seconds since 1970; those never found are left out."""
         with storing(self.path):
-            return {
-                Ref(stage, entry.name): entry.stat().st_mtime
-                for stage in _names(self.path / "usage")
-                for entry in _entries(self.path / "usage" / stage)
-            }
+            uses = {}
+            for stage in _names(self.path / "usage"):
+                for entry in _entries(self.path / "usage" / stage):
+                    with contextlib.suppress(FileNotFoundError):  # removed just now
+                        uses[Ref(stage, entry.name)] = entry.stat().st_mtime
+            return uses
 
     def runs(self) -> Iterator[RegisteredRun]:
         """All runs that the store knows, in no particular order."""

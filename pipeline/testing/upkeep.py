@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from pipeline.errors import InputError
 from pipeline.keys import Ref
+from pipeline.manifest import Manifest
 from pipeline.store import RunLabel, Store
 from pipeline.store.catalogue import Row
 from pipeline.store.cleaning import Limits
@@ -75,6 +77,25 @@ class UpkeepConformance:
         ref = publish(store, example()).ref
         assert store.upkeep.remove([ref, example(gain=2.0).ref], lambda: {ref}) == []
         assert refs_of(store) == {ref}
+
+    @pytest.mark.parametrize("stays", [True, False])
+    def test_who_asks_during_a_removal_gets_what_stays_or_nothing(
+        self, store: Store, stays: bool
+    ) -> None:
+        label, ref = RunLabel("one"), publish(store, example()).ref
+        store.begin(label)
+        found: list[Manifest | None] = []
+        reader = threading.Thread(target=lambda: found.append(store.find(ref, label)))
+
+        def kept() -> list[Ref]:
+            reader.start()
+            reader.join(timeout=0.2)  # it may wait for the end of the removal
+            return [ref] if stays else []
+
+        removed = store.upkeep.remove([ref], kept)
+        reader.join(timeout=30)
+        assert removed == ([] if stays else [ref])
+        assert [one is not None for one in found] == [stays]
 
     def test_work_that_was_given_up_is_left_over_until_it_is_discarded(self, store: Store) -> None:
         before = time.time()

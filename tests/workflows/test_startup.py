@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.store import LocalStore
+from pipeline.testing.stores import example, publish
 from tests.workflows.conftest import Desk
 
 ROOT = Path(__file__).parents[2]
@@ -68,8 +70,10 @@ def test_reading_commands_need_no_numerics(command: list[str]) -> None:
     assert not imported(*command) & (LIGHT | NUMERICS)
 
 
-def test_listing_the_store_needs_no_numerics(tmp_path: Path) -> None:
-    assert not imported("store", "ls", "--store", tmp_path) & (LIGHT | NUMERICS)
+@pytest.mark.parametrize("command", [["ls"], ["runs"], ["gc", "--unreachable"], ["verify"]])
+def test_looking_after_the_store_needs_no_numerics(command: list[str], tmp_path: Path) -> None:
+    publish(LocalStore(tmp_path), example())
+    assert not imported("store", *command, "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
 @pytest.mark.parametrize(
