@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from pipeline.nodes import Node
-    from pipeline.store import LocalStore
+    from pipeline.store import Store
     from workflows.workflow import Export, Workflow
 
 NOTHING: Mapping[str, Any] = {}
@@ -87,7 +87,7 @@ class Request:
         return {name: node for name, node in nodes.items() if id(node) in needed}
 
 
-def open_store(location: str | None) -> LocalStore:
+def open_store(location: str | None) -> Store:
     """The store that ``--store`` names, or the one in the user's cache folder.
 
     Raises

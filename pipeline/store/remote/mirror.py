@@ -93,9 +93,9 @@ class Mirror:
                     best = _reached(about), attempt, state, about["files"]
             here = _about(self.checkpoint) if self.checkpoint.exists() else None
             if best is not None and (here is None or best[0] > _reached(here)):
-                _, attempt, state, files = best
+                _, attempt, state, needed = best
                 source = f"{self._prefix(attempt)}/data"
-                self.objects.download({f"{source}/{p}": self.data / p for p in files})
+                self.objects.download({f"{source}/{p}": self.data / p for p in needed})
                 self.checkpoint.parent.mkdir(parents=True, exist_ok=True)
                 os.replace(state, self.checkpoint)
         finally:

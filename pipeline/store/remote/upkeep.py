@@ -123,9 +123,9 @@ class RemoteUpkeep:
         with contextlib.ExitStack() as stack:
             if not self._take(Ref("upkeep", leftover.key), stack):
                 return False
-            if leftover.name.startswith("data/"):
-                if leftover.name in self._counted({Ref(*leftover.name.split("/")[1:3])}):
-                    return False  # it was published meanwhile
+            kind, *stage_and_key = leftover.name.split("/")[:3]
+            if kind == "data" and leftover.name in self._counted([Ref(*stage_and_key)]):
+                return False  # it was published meanwhile
             self.objects.remove(self.objects.listing(leftover.name))
         return True
 
