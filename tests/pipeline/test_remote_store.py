@@ -13,9 +13,10 @@ from pipeline.store.opening import remote_store
 from pipeline.store.remote import RemoteStore
 from pipeline.store.remote.markers import data_folder
 from pipeline.testing.stores import StoreConformance
+from pipeline.testing.upkeep import UpkeepConformance
 
 
-class RemoteConformance(StoreConformance):
+class RemoteConformance(StoreConformance, UpkeepConformance):
     """What differs in the tests only: files are spoilt on the server, not in the copy."""
 
     def spoil(self, store: Store, ref: Ref, name: str, contents: bytes | None) -> None:

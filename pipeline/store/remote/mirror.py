@@ -6,12 +6,12 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.durable import storing
+from pipeline.durable import remove_tree, storing
 from pipeline.store.remote.objects import Objects
 
 SECONDS = 120.0
@@ -19,6 +19,28 @@ SECONDS = 120.0
 
 SHARE = 20
 """Copies take at most this part of the time: on a slow network there are fewer."""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A copy of a checkpoint.
+
+    Attributes
+    ----------
+    attempt
+        Whose it was.
+    state
+        Its state, on this machine.
+    files
+        Chunks that belong to it.
+    reached
+        How far it got.
+    """
+
+    attempt: str
+    state: Path
+    files: tuple[str, ...]
+    reached: tuple[int, float]
 
 
 @dataclass
@@ -75,38 +97,50 @@ class Mirror:
         took = time.monotonic() - began
         self._next = max(self._next, time.monotonic() + SHARE * took)
 
+    def state(self) -> Path | None:
+        """File with the state of the copy that got furthest, to be looked at; ``None`` if there is none."""
+        with self._furthest() as copy:
+            if copy is None:
+                return None
+            kept = self.checkpoint.parents[2] / "looked-at" / f"{self.key}.npz"
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(copy.state, kept)
+            return kept
+
     def restore(self) -> None:
         """Fetch the copy that got furthest, unless the checkpoint on this machine got further."""
-        copies = self._copies()
-        if not copies:
-            return
-        scratch = self.checkpoint.parent.with_name(f"{self.checkpoint.parent.name}.{self.attempt}")
-        best: tuple[tuple[int, float], str, Path, Collection[str]] | None = None
-        try:
-            for attempt, files in copies.items():
-                state = scratch / f"{attempt}.npz"
-                self.objects.download({f"{self._prefix(attempt)}/state.npz": state})
-                about = _about(state)
-                if not {f"data/{path}" for path in about["files"]} <= files:
-                    continue
-                if best is None or _reached(about) > best[0]:
-                    best = _reached(about), attempt, state, about["files"]
+        with self._furthest() as copy:
+            if copy is None:
+                return
             here = _about(self.checkpoint) if self.checkpoint.exists() else None
-            if best is not None and (here is None or best[0] > _reached(here)):
-                _, attempt, state, needed = best
-                source = f"{self._prefix(attempt)}/data"
-                self.objects.download({f"{source}/{p}": self.data / p for p in needed})
-                self.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(state, self.checkpoint)
-        finally:
-            for state in scratch.glob("*") if scratch.is_dir() else ():
-                state.unlink()
-            with contextlib.suppress(OSError):
-                scratch.rmdir()
+            if here is not None and _reached(here) >= copy.reached:
+                return
+            source = f"{self._prefix(copy.attempt)}/data"
+            self.objects.download({f"{source}/{p}": self.data / p for p in copy.files})
+            self.checkpoint.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(copy.state, self.checkpoint)
 
     def remove(self) -> None:
         """Remove all copies of the key."""
         self.objects.remove(self.objects.listing(f"checkpoints/{self.key}"))
+
+    @contextlib.contextmanager
+    def _furthest(self) -> Iterator[Copy | None]:
+        """The copy that got furthest; the file with its state is removed after the block."""
+        scratch = self.checkpoint.parents[2] / "new" / self.attempt
+        best: Copy | None = None
+        try:
+            for attempt, files in self._copies().items():
+                state = scratch / f"{attempt}.npz"
+                self.objects.download({f"{self._prefix(attempt)}/state.npz": state})
+                about = _about(state)
+                copy = Copy(attempt, state, tuple(about["files"]), _reached(about))
+                whole = {f"data/{path}" for path in copy.files} <= files
+                if whole and (best is None or copy.reached > best.reached):
+                    best = copy
+            yield best
+        finally:
+            remove_tree(scratch)
 
     def _copies(self) -> dict[str, set[str]]:
         """Files of each attempt whose state is there; their checksums are compared on resuming."""

@@ -156,6 +156,14 @@ class RemoteStore:
         """The artefacts of a stage that were published last, at most ``count`` of them."""
         return self.reader.newest(stage, count)
 
+    def checkpoint(self, ref: Ref) -> Path | None:
+        """File with the checkpoint of an interrupted computation, here or copied from elsewhere."""
+        folder, path = self.folders.work(ref.key)
+        if path.is_file():
+            return path
+        mirror = Mirror(self.objects, ref.key, new_attempt(), folder / "data", path, 0.0)
+        return mirror.state()
+
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` downloads it and recomputes every checksum."""
         return self.reader.verify(ref, full=full)

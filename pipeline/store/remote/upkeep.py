@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import datetime
 import json
 import platform
@@ -15,6 +16,8 @@ from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.store.catalogue import Row, catalogue
 from pipeline.store.labels import RegisteredRun, RunLabel
+from pipeline.store.local_upkeep import LocalUpkeep
+from pipeline.store.registers import Registers
 from pipeline.store.remote.folders import Folders
 from pipeline.store.remote.leases import Leases
 from pipeline.store.remote.markers import Marker, data_folder, marker_path
@@ -107,7 +110,7 @@ class RemoteUpkeep:
         return gone
 
     def leftovers(self) -> list[Leftover]:
-        """Work that was begun and not published, sorted by name."""
+        """Work that was begun and not published, on this machine and in the store, sorted by name."""
         groups: dict[str, dict[str, Entry]] = {}
         for path, entry in self.objects.listing("data").items():
             groups.setdefault("/".join(path.split("/")[:4]), {})[path] = entry
@@ -115,11 +118,16 @@ class RemoteUpkeep:
         groups = {name: files for name, files in groups.items() if name not in counted}
         for path, entry in self.objects.listing("checkpoints").items():
             groups.setdefault("/".join(path.split("/")[:3]), {})[path] = entry
-        published = {ref.key for ref in self.reader.listed()} if groups else set()
-        return [self._leftover(name, groups[name], published) for name in sorted(groups)]
+        here = self._here.leftovers()
+        published = {ref.key for ref in self.reader.listed()} if groups or here else set()
+        there = [self._leftover(name, files, published) for name, files in groups.items()]
+        here = [dataclasses.replace(one, published=one.key in published) for one in here]
+        return sorted(here + there, key=lambda one: one.name)
 
     def discard(self, leftover: Leftover) -> bool:
         """Remove such work, unless a process works on it; gives whether it is gone."""
+        if "/" not in leftover.name:
+            return self._here.discard(leftover)
         with contextlib.ExitStack() as stack:
             if not self._take(Ref("upkeep", leftover.key), stack):
                 return False
@@ -128,6 +136,11 @@ class RemoteUpkeep:
                 return False  # it was published meanwhile
             self.objects.remove(self.objects.listing(leftover.name))
         return True
+
+    @property
+    def _here(self) -> LocalUpkeep:
+        """Unfinished work on this machine lies as in a local store."""
+        return LocalUpkeep(self.folders.path, Registers(self.folders.path / "runs"))
 
     def _take(self, ref: Ref, stack: contextlib.ExitStack) -> bool:
         held = self.leases.take(ref.key, ref.stage, alone_here=False)
