@@ -17,10 +17,12 @@ from pathlib import Path
 
 from pipeline.durable import storing
 from pipeline.errors import StoreError
+from pipeline.events import Listener, StageHit, StageWarned
 from pipeline.keys import SCHEMA, Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.reasons import code_changes
 from pipeline.store import Store, Workspace
+from pipeline.task import Task
 from pipeline.verification import DamagedError
 
 ACCEPTED = "accepted"
@@ -41,6 +43,25 @@ def acceptable(stated: Statement, store: Store) -> Manifest | None:
         return None
     count = {id(m): sum(1 for _ in code_changes(m.modules, stated.code.modules)) for m in found}
     return max(found, key=lambda manifest: (-count[id(manifest)], manifest.finished))
+
+
+def accepted(task: Task, store: Store, work: Workspace, tell: Listener) -> Manifest | None:
+    """Result of other code, published for a task; ``None`` if there is none to accept.
+
+    Raises
+    ------
+    StoreError
+        If it is damaged, or cannot be written again.
+    """
+    stated = task.statement()
+    found = acceptable(stated, store)
+    if found is None:
+        return None
+    manifest = accept(found, stated, task.inputs, store, work, task.argv)
+    tell(StageHit(task.name, stated.stage, stated.key))
+    edits = ", ".join(map(str, code_changes(found.modules, stated.code.modules)))
+    tell(StageWarned(task.name, stated.stage, f"accepted a result of other code ({edits})"))
+    return manifest
 
 
 def accept(
@@ -97,8 +118,7 @@ def accept(
         inputs=inputs,
         environment={**found.environment, ACCEPTED: [*earlier, entry]},
     )
-    work.publish(manifest)
-    return manifest
+    return work.publish(manifest)
 
 
 def _whole(stated: Statement, key: str, store: Store) -> Manifest | None:

@@ -35,11 +35,14 @@ class Policy:
     recompute_damaged
         Whether every byte of a stored result is checked before it is used, and a damaged one set
         aside and computed again; otherwise a damaged one is an error.
+    accept_code
+        Whether a result that differs by its code alone is accepted instead of computing another.
     """
 
     checkpoint_interval: float = CHECKPOINT_INTERVAL
     label: RunLabel | None = None
     recompute_damaged: bool = False
+    accept_code: bool = False
 
 
 READ = Policy()
@@ -125,6 +128,11 @@ def obtain(task: Task, store: Store, policy: Policy, *, tell: Listener) -> Obtai
     with store.writing(ref, waiting) as work:
         waited = time.perf_counter() - began
         found = look(task.name, ref, store, tell)
+        if found is None and policy.accept_code:
+            from pipeline.acceptance import accepted
+
+            if (other := accepted(task, store, work, tell)) is not None:
+                return Obtained.of(other, hit=True)
         if found is None:
             from pipeline.execution import execute
 

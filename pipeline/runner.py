@@ -27,6 +27,7 @@ def run(
     checkpoint_interval: float = CHECKPOINT_INTERVAL,
     label: RunLabel | None = None,
     recompute_damaged: bool = False,
+    accept_code: bool = False,
 ) -> dict[str, Outcome]:
     """Outcome of each node, computed unless the store holds it.
 
@@ -47,6 +48,8 @@ def run(
         calls ``store.finish(label)`` once all else is done. Without one it is that of this process.
     recompute_damaged
         Check every byte of the stored results first; set damaged ones aside and compute them again.
+    accept_code
+        Accept stored results whose configuration and inputs are equal and whose code alone differs.
 
     Raises
     ------
@@ -60,7 +63,7 @@ def run(
     Stopped
         If a signal asked to stop: Ctrl-C, SIGTERM or SIGHUP.
     """
-    policy = Policy(checkpoint_interval, label, recompute_damaged)
+    policy = Policy(checkpoint_interval, label, recompute_damaged, accept_code)
     (result,) = sweep([Case("", nodes)], store, executor, listen=listen, policy=policy)
     if isinstance(result, CaseFailed):
         raise result.error

@@ -12,6 +12,7 @@ from pipeline.fingerprint import Fingerprint
 from pipeline.keys import Ref, Statement, code_of, config_modules, statement
 from pipeline.manifest import InputEntry
 from pipeline.nodes import Node, Stage, source_node
+from pipeline.sources import Sources
 
 
 @dataclass(frozen=True)
@@ -97,14 +98,15 @@ _KNOWN: dict[str, Fingerprint] = {}
 
 
 class Codes:
-    """Fingerprints as the source files are when each is asked for first."""
+    """Fingerprints as the source files are when each is asked for first; each file is read once."""
 
     def __init__(self) -> None:
         self._known: dict[frozenset[str], Fingerprint] = {}
+        self._sources = Sources()
 
     def of(self, node: Node[Any]) -> Fingerprint:
         """Fingerprint of the code of a node."""
         roots = frozenset((node.stage.module, *config_modules(node.config)))
         if roots not in self._known:
-            self._known[roots] = code_of(node.stage.module, node.config)
+            self._known[roots] = code_of(node.stage.module, node.config, self._sources)
         return self._known[roots]

@@ -116,13 +116,19 @@ def run(
     store: StorePath = None,
     name: RunName = None,
     recompute_damaged: RecomputeDamaged = False,
+    accept_code: AcceptCode = False,
 ) -> None:
     """Run an experiment: report, pictures, data."""
     from workflows.commands import run_workflow
     from workflows.ways import Way
 
     run_workflow(
-        workflow, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj)
+        workflow,
+        config,
+        settings or [],
+        out,
+        store,
+        Way(name, recompute_damaged, accept_code, **ctx.obj),
     )
 
 
@@ -138,6 +144,7 @@ def _stage_command(stage: str) -> None:
         store: StorePath = None,
         name: RunName = None,
         recompute_damaged: RecomputeDamaged = False,
+        accept_code: AcceptCode = False,
     ) -> None:
         from workflows.commands import run_stage
         from workflows.ways import Way
@@ -149,7 +156,7 @@ def _stage_command(stage: str) -> None:
             settings or [],
             out,
             store,
-            Way(name, recompute_damaged, **ctx.obj),
+            Way(name, recompute_damaged, accept_code, **ctx.obj),
         )
 
     app.command(stage, help=f"Compute {stage} and what it needs.")(command)

@@ -57,7 +57,12 @@ def carry_out(
     with registered(kept, label):
         with watching(quiet=way.quiet, verbose=way.verbose) as listen:
             outcomes = run(
-                nodes, kept, listen=listen, label=label, recompute_damaged=way.recompute_damaged
+                nodes,
+                kept,
+                listen=listen,
+                label=label,
+                recompute_damaged=way.recompute_damaged,
+                accept_code=way.accept_code,
             )
         quantities = write_outputs(request, outcomes, folder)
     if not way.quiet:
@@ -101,7 +106,12 @@ def run_stage(
     with registered(kept, label):
         with watching(quiet=way.quiet, verbose=way.verbose) as listen:
             outcomes = run(
-                nodes, kept, listen=listen, label=label, recompute_damaged=way.recompute_damaged
+                nodes,
+                kept,
+                listen=listen,
+                label=label,
+                recompute_damaged=way.recompute_damaged,
+                accept_code=way.accept_code,
             )
         quantities = {}
         if set(request.measured) <= outcomes.keys():
