@@ -124,7 +124,10 @@ class RemoteStore:
         if label is not None:
             with self._unless_read_only():
                 self._registers.add(label, ref)
-        if (marker := self.reader.marker(ref)) is None:
+        marker = self.reader.marker(ref)
+        if marker is None and label is not None and self.upkeep.await_removal(ref):
+            marker = self.reader.marker(ref)
+        if marker is None:
             return None
         if problems := self.reader.problems(ref, marker):
             if self.reader.marker(ref) != marker:

@@ -8,6 +8,7 @@ import datetime
 import json
 import platform
 import sys
+import time
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote, unquote
@@ -26,6 +27,10 @@ from pipeline.store.remote.reader import Reader
 from pipeline.store.remote.registers import RemoteRegisters
 from pipeline.store.tags import checked
 from pipeline.store.upkeep import Leftover
+
+
+WAIT = 0.1
+"""Seconds between looks at a removal that is under way."""
 
 
 @dataclass(frozen=True)
@@ -91,10 +96,9 @@ class RemoteUpkeep:
         """Take markers away while their leases are held; put back those that are wanted after all.
 
         A run registers an artefact before it looks for the marker. So if it still found the marker,
-        its registration is there when ``kept`` is asked. Whoever finds none in between waits for the
-        lease to compute the artefact, and looks again then.
+        its registration is there when ``kept`` is asked. If it found none in between, it waits.
         """
-        self._put_back()
+        self._put_back(self.objects.listing("removed"))
         gone: list[Ref] = []
         with contextlib.ExitStack() as stack:
             free = [ref for ref in refs if self._take(ref, stack)]
@@ -103,11 +107,25 @@ class RemoteUpkeep:
             for ref, contents in away.items():
                 if ref in stay:
                     self.objects.create(marker_path(ref), contents)
+                    self.objects.remove([_hidden(ref)])
                 else:
+                    # Before the data, so that a marker that is put back has them all.
+                    self.objects.remove([_hidden(ref)])
                     self._delete(ref, contents)
                     gone.append(ref)
-                self.objects.remove([_hidden(ref)])
         return gone
+
+    def await_removal(self, ref: Ref) -> bool:
+        """Wait while an artefact is being removed; gives whether it was.
+
+        If the process that removed it is gone, the marker is put back.
+        """
+        if self.objects.read(_hidden(ref)) is None:
+            return False
+        while self.leases.busy(ref.key) and self.objects.read(_hidden(ref)) is not None:
+            time.sleep(WAIT)
+        self._put_back([_hidden(ref)])
+        return True
 
     def leftovers(self) -> list[Leftover]:
         """Work that was begun and not published, on this machine and in the store, sorted by name."""
@@ -158,9 +176,9 @@ class RemoteUpkeep:
             self.objects.remove([marker_path(ref)])
         return contents
 
-    def _put_back(self) -> None:
+    def _put_back(self, paths: Iterable[str]) -> None:
         """Put markers back that a removal which was killed had taken away."""
-        for path in self.objects.listing("removed"):
+        for path in paths:
             ref = Ref(*path.split("/")[-2:])
             with contextlib.ExitStack() as stack:
                 if self._take(ref, stack) and (contents := self.objects.read(path)) is not None:
