@@ -16,7 +16,7 @@ from pipeline.store.upkeep import Leftover
 DAY = 86400.0
 
 UNFINISHED_DAYS = 30.0
-"""Days for which a checkpoint is kept that nobody goes on from."""
+"""Days for which a checkpoint is kept that nobody goes on from, and what was set aside as damaged."""
 
 FAILED_DAYS = 1.0
 """Days for which the unfinished work of a failed stage is kept, to be looked at."""
@@ -128,7 +128,7 @@ def _reason(row: Row, last_uses: Mapping[Ref, float], limits: Limits, now: float
 
 
 def stale(leftovers: Iterable[Leftover], limits: Limits, now: float) -> list[tuple[Leftover, str]]:
-    """Unfinished work that nobody will go on from, and why.
+    """Unfinished work that nobody will go on from, old evidence of damage, and why they may go.
 
     A checkpoint saves its stage all the time up to it, so it stays as long as ``unused_for`` says.
     """
@@ -138,7 +138,10 @@ def stale(leftovers: Iterable[Leftover], limits: Limits, now: float) -> list[tup
         idle = now - leftover.changed
         if leftover.busy:
             continue
-        if leftover.published:
+        if leftover.damaged:
+            if idle > patience:
+                found.append((leftover, f"set aside as damaged {idle / DAY:.0f} days ago"))
+        elif leftover.published:
             found.append((leftover, "its result is there"))
         elif leftover.resumable and idle > patience:
             found.append((leftover, f"nobody went on from it for {idle / DAY:.0f} days"))

@@ -6,7 +6,6 @@ import contextlib
 import fcntl
 import os
 import platform
-import time
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,17 +16,16 @@ from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.locks import try_lock
 from pipeline.manifest import Manifest
-from pipeline.store import tags
+from pipeline.store import local_leftovers, tags
 from pipeline.store.catalogue import Row, catalogue
+from pipeline.store.folders import entries, names
 from pipeline.store.labels import RegisteredRun, RunLabel
-from pipeline.store.registers import UNSURE_DAYS, Registers, is_process
+from pipeline.store.local_leftovers import REMOVED
+from pipeline.store.registers import Registers
 from pipeline.store.upkeep import Leftover
 
 INDEX = "index.jsonl"
 """File of the catalogue, a cache."""
-
-REMOVED = "removed"
-"""Second part of the name, in ``tmp``, of an artefact that is being removed."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +52,8 @@ class LocalUpkeep:
         """When a run found each artefact last, seconds since 1970; those never found are left out."""
         with storing(self.path):
             uses = {}
-            for stage in _names(self.path / "usage"):
-                for entry in _entries(self.path / "usage" / stage):
+            for stage in names(self.path / "usage"):
+                for entry in entries(self.path / "usage" / stage):
                     with contextlib.suppress(FileNotFoundError):  # removed just now
                         uses[Ref(stage, entry.name)] = entry.stat().st_mtime
             return uses
@@ -112,20 +110,14 @@ class LocalUpkeep:
         return list(gone)
 
     def leftovers(self) -> list[Leftover]:
-        """Work that was begun and not published, sorted by name."""
+        """Work that was begun and not published, and what was set aside, sorted by name."""
         with storing(self.path):
-            names = {name for each in ("tmp", "checkpoints") for name in _names(self.path / each)}
-            return [self._leftover(name) for name in sorted(names)]
+            return local_leftovers.read(self.path)
 
     def discard(self, leftover: Leftover) -> bool:
-        """Remove such work, unless a process works on it; gives whether it is gone."""
+        """Remove one of them, unless it changed since or a process works on it."""
         with storing(self.path), self._alone(leftover.key) as free:
-            worker = leftover.name.partition(".")[2]
-            if not free or _is_at_work(worker, leftover.changed):
-                return False
-            for folder in self._folders(leftover.name):
-                remove_tree(folder)
-            return True
+            return free and local_leftovers.remove(self.path, leftover)
 
     def _load(self, ref: Ref) -> Manifest:
         folder = self.path / "objects" / ref.stage / ref.key
@@ -139,8 +131,8 @@ class LocalUpkeep:
     def _stamped(self) -> Iterator[tuple[Ref, str]]:
         """All artefacts, each with the state of its manifest."""
         objects = self.path / "objects"
-        for stage in _names(objects):
-            for key in _names(objects / stage):
+        for stage in names(objects):
+            for key in names(objects / stage):
                 yield Ref(stage, key), stamp(objects / stage / key)
 
     @contextlib.contextmanager
@@ -154,35 +146,6 @@ class LocalUpkeep:
         finally:
             os.close(descriptor)
 
-    def _folders(self, name: str) -> tuple[Path, Path]:
-        return self.path / "tmp" / name, self.path / "checkpoints" / name
-
-    def _leftover(self, name: str) -> Leftover:
-        key, _, worker = name.partition(".")
-        folders = self._folders(name)
-        states = [found for folder in folders for found in _states_below(folder)]
-        changed = max((mtime_ns for mtime_ns, _ in states), default=0) / 1e9
-        objects = self.path / "objects"
-        return Leftover(
-            name=name,
-            key=key,
-            size=sum(size for _, size in states),
-            changed=changed,
-            resumable=(folders[1] / "state.npz").exists(),
-            busy=not self._is_free(key) or _is_at_work(worker, changed),
-            published=any((objects / stage / key).is_dir() for stage in _names(objects)),
-        )
-
-    def _is_free(self, key: str) -> bool:
-        try:
-            descriptor = os.open(self.path / "locks" / key, os.O_RDONLY)
-        except FileNotFoundError:
-            return True
-        try:
-            return try_lock(descriptor, fcntl.LOCK_SH) is not False
-        finally:
-            os.close(descriptor)
-
 
 def stamp(folder: Path) -> str:
     """What changes when the manifest of an artefact does; empty if there is none."""
@@ -190,35 +153,3 @@ def stamp(folder: Path) -> str:
         return "{} {}".format(*state(folder / "manifest.json"))
     except OSError:
         return ""
-
-
-def _is_at_work(worker: str, changed: float) -> bool:
-    """Whether the process that a name ends with, ``host.pid``, is there: it has no lock to tell."""
-    host, _, process = worker.rpartition(".")
-    if not process.isdigit() or host.startswith(f"{REMOVED}."):
-        return False
-    if host == platform.node():
-        return is_process(int(process))
-    return time.time() - changed < UNSURE_DAYS * 86400
-
-
-def _states_below(folder: Path) -> Iterator[tuple[int, int]]:
-    """Modification time and size of all files below a folder; those that go meanwhile are left out."""
-    for parent, _, names in os.walk(folder):
-        with contextlib.suppress(FileNotFoundError):
-            yield os.stat(parent).st_mtime_ns, 0
-        for name in names:
-            with contextlib.suppress(FileNotFoundError):
-                yield state(os.path.join(parent, name))
-
-
-def _names(folder: Path) -> list[str]:
-    return sorted(entry.name for entry in _entries(folder))
-
-
-def _entries(folder: Path) -> list[os.DirEntry[str]]:
-    try:
-        with os.scandir(folder) as found:
-            return list(found)
-    except (FileNotFoundError, NotADirectoryError):
-        return []

@@ -28,6 +28,7 @@ from pipeline.durable import sync
 from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.locks import try_lock
+from pipeline.store.folders import entries
 from pipeline.store.labels import RegisteredRun, RunLabel, from_json, to_json
 
 KNOWN_AT_MOST = 200_000
@@ -110,7 +111,7 @@ class Registers:
         StoreError
             If a label is damaged: nobody knows then what that run keeps.
         """
-        for folder in _entries(self.path):
+        for folder in entries(self.path):
             yield from self._runs_in(Path(folder.path))
 
     def refs(self, label: RunLabel) -> Iterator[Ref]:
@@ -133,8 +134,8 @@ class Registers:
         return self.path / label.slug / f"{label.generation}{suffix}"
 
     def _files_of(self, label: RunLabel) -> list[os.DirEntry[str]]:
-        entries = _entries(self._file(label, "").parent)
-        return [entry for entry in entries if entry.name.startswith(label.generation)]
+        found = entries(self._file(label, "").parent)
+        return [entry for entry in found if entry.name.startswith(label.generation)]
 
     def _publish(self, label: RunLabel) -> int:
         """Write the label, locked before anybody can see it; gives the descriptor with the lock."""
@@ -153,7 +154,7 @@ class Registers:
             return descriptor
 
     def _runs_in(self, folder: Path) -> Iterator[RegisteredRun]:
-        for entry in _entries(folder):
+        for entry in entries(folder):
             if entry.name.endswith(".json"):
                 path = Path(entry.path)
                 try:
@@ -217,11 +218,3 @@ def _time(path: Path) -> float | None:
         return path.stat().st_mtime
     except OSError:
         return None
-
-
-def _entries(folder: Path) -> list[os.DirEntry[str]]:
-    try:
-        with os.scandir(folder) as found:
-            return list(found)
-    except (FileNotFoundError, NotADirectoryError):
-        return []

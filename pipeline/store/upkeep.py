@@ -13,7 +13,7 @@ from pipeline.store.labels import RegisteredRun, RunLabel
 
 @dataclass(frozen=True)
 class Leftover:
-    """Work that was begun and not published.
+    """Work that was begun and not published, or a damaged artefact that was set aside.
 
     Attributes
     ----------
@@ -31,6 +31,8 @@ class Leftover:
         Whether a process works on it.
     published
         Whether that result is there, computed by another process.
+    damaged
+        Whether it is an artefact that was set aside; it is none of the others then.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Leftover:
     resumable: bool
     busy: bool
     published: bool
+    damaged: bool = False
 
 
 class Upkeep(Protocol):
@@ -93,9 +96,9 @@ class Upkeep(Protocol):
         ...
 
     def leftovers(self) -> list[Leftover]:
-        """Work that was begun and not published, sorted by name."""
+        """Work that was begun and not published, and what was set aside, sorted by name."""
         ...
 
     def discard(self, leftover: Leftover) -> bool:
-        """Remove such work, unless a process works on it; gives whether it is gone."""
+        """Remove one of them, unless it changed since or a process works on it; tells if it is gone."""
         ...

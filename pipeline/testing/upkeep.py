@@ -85,7 +85,15 @@ class UpkeepConformance:
         label, ref = RunLabel("one"), publish(store, example()).ref
         store.begin(label)
         found: list[Manifest | None] = []
-        reader = threading.Thread(target=lambda: found.append(store.find(ref, label)))
+
+        def ask() -> None:  # as the engine does
+            manifest = store.find(ref, label)
+            if manifest is None:
+                with store.writing(ref, lambda holder: None):
+                    manifest = store.find(ref)
+            found.append(manifest)
+
+        reader = threading.Thread(target=ask)
 
         def kept() -> list[Ref]:
             reader.start()
@@ -111,10 +119,21 @@ class UpkeepConformance:
         with store.writing(example().ref, lambda holder: None) as work:
             work.checkpoint.parent.mkdir(parents=True)
             work.checkpoint.write_bytes(b"state")
-        assert store.upkeep.leftovers()[0].resumable
+        (leftover,) = store.upkeep.leftovers()
+        assert leftover.resumable
         assert store.upkeep.discard(leftover)
         assert store.upkeep.leftovers() == []
         assert publish(store, example()).ref in refs_of(store)
+
+    def test_work_that_went_on_since_it_was_listed_is_not_discarded(self, store: Store) -> None:
+        with store.writing(example().ref, lambda holder: None) as work:
+            work.begin(resume=False)
+        (leftover,) = store.upkeep.leftovers()
+        time.sleep(0.02)  # file systems keep time in ticks of some milliseconds
+        with store.writing(example().ref, lambda holder: None) as work:
+            (work.data / "record.h5").write_bytes(b"more")
+        assert not store.upkeep.discard(leftover)
+        assert store.upkeep.discard(store.upkeep.leftovers()[0])
 
     def test_work_that_goes_on_is_not_discarded(self, store: Store) -> None:
         with store.writing(example().ref, lambda holder: None) as work:

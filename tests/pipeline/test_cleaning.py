@@ -114,12 +114,14 @@ def test_unfinished_work_goes_when_nobody_can_or_will_go_on_from_it() -> None:
     stay = [
         leftover(young),
         leftover(old, resumable=True),
+        leftover(UNFINISHED_DAYS / 2, damaged=True),
         leftover(999.0, busy=True, published=True),
     ]
     go = [
         leftover(old),
         leftover(young, resumable=True, published=True),
         leftover(2 * UNFINISHED_DAYS, resumable=True),
+        leftover(2 * UNFINISHED_DAYS, damaged=True),
     ]
     assert [each for each, _ in stale(stay + go, Limits(), NOW)] == go
 

@@ -32,5 +32,6 @@ class TestLocalUpkeepWithoutFileLocks(UpkeepConformance):
 
     # Without locks nobody can wait.
     test_who_asks_during_a_removal_gets_what_stays_or_nothing: Any = None
+    test_work_that_went_on_since_it_was_listed_is_not_discarded: Any = None
     # The process that could still be at work is known by its number alone, and it is this one.
     test_work_that_was_given_up_is_left_over_until_it_is_discarded: Any = None

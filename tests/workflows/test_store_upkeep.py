@@ -116,7 +116,7 @@ def test_without_a_reason_results_stay_and_old_unfinished_work_goes(store: Local
     leave_work(store, 8.0, days=0.1)
     leave_work(store, 9.0, days=9.0)
     told = call(store, "gc", "--yes")
-    assert "removed 0 results and unfinished work of 1 stage" in told
+    assert "removed 0 results and 1 leftover" in told
     assert len(list(store.refs())) == 3
     assert [each.key for each in store.upkeep.leftovers()] == [example(gain=8.0).key]
 
@@ -200,7 +200,22 @@ def test_verifying_names_every_damaged_result_and_its_file(store: LocalStore) ->
 def test_verifying_tells_of_work_that_is_half_done(store: LocalStore) -> None:
     leave_work(store, 9.0, days=2.0)
     told = call(store, "verify")
-    assert f"unfinished: {example(gain=9.0).key[:12]}, 4 B, changed 2 d ago: given up" in told
+    assert f"left over: {example(gain=9.0).key[:12]}, 4 B, changed 2 d ago: given up" in told
+
+
+def test_what_was_set_aside_as_damaged_is_told_and_goes_in_time(store: LocalStore) -> None:
+    ref = example("mechanics", 3.0).ref
+    (store.data(ref) / "record.h5").write_bytes(b"more")
+    aside = store.quarantine(ref)
+    assert aside is not None
+    assert "set aside as damaged" in call(store, "verify")
+    assert "removed 0 results and 0 leftovers" in call(store, "gc", "--yes")
+    then = time.time() - 40 * 86400
+    for path in (aside.with_name(f"{aside.name}.json"), *aside.rglob("*"), aside):
+        os.utime(path, (then, then))
+    assert "set aside as damaged 40 days ago" in call(store, "gc")
+    assert "removed 0 results and 1 leftover" in call(store, "gc", "--yes")
+    assert list((store.path / "quarantine" / "mechanics").iterdir()) == []
 
 
 def test_a_damaged_manifest_is_listed_and_can_be_removed(store: LocalStore) -> None:

@@ -44,7 +44,7 @@ def verify_artefacts(keys: Sequence[str], location: str | None, *, quick: bool =
     what = "sizes of the files" if quick else "checksums and keys"
     print(f"{len(refs)} results checked ({what}), {damaged} damaged in {store.location}")
     if not keys:
-        _tell_unfinished(store)
+        _tell_leftovers(store)
     if damaged:
         raise StoreError(
             f"{damaged} of {len(refs)} results are damaged",
@@ -53,16 +53,18 @@ def verify_artefacts(keys: Sequence[str], location: str | None, *, quick: bool =
         )
 
 
-def _tell_unfinished(store: Store) -> None:
+def _tell_leftovers(store: Store) -> None:
     now = time.time()
     for leftover in store.upkeep.leftovers():
-        if leftover.busy:
+        if leftover.damaged:
+            state = "set aside as damaged; gc removes it in time"
+        elif leftover.busy:
             state = "being computed"
         elif leftover.resumable:
             state = "interrupted; a run that needs it goes on from its checkpoint"
         else:
             state = "given up; a run that needs it begins anew"
         print(
-            f"unfinished: {leftover.key[:SHORT]}, {size(leftover.size)}, changed "
+            f"left over: {leftover.key[:SHORT]}, {size(leftover.size)}, changed "
             f"{ago(now - leftover.changed)} ago: {state}"
         )

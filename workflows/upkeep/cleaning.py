@@ -50,8 +50,8 @@ def collect_garbage(
     gone, discarded = collect(store, planned)
     freed = sum(each.row.size for each in gone) + sum(each.size for each in discarded)
     print(
-        f"removed {_count(len(gone), 'result')} and unfinished work of "
-        f"{_count(len(discarded), 'stage')}: {size(freed)} are free"
+        f"removed {_count(len(gone), 'result')} and "
+        f"{_count(len(discarded), 'leftover')}: {size(freed)} are free"
     )
     stayed = len(planned.removals) + len(planned.leftovers) - len(gone) - len(discarded)
     if stayed:
@@ -159,7 +159,7 @@ def _told(store: Store, planned: Plan, limits: Limits, now: float) -> list[str]:
         lines += aligned(table)
         lines += _more(len(planned.removals))
     if planned.leftovers:
-        lines.append("unfinished work:")
+        lines.append("left over:")
         rows = [
             (each.key[:SHORT], size(each.size), f"{ago(now - each.changed)} ago", why)
             for each, why in planned.leftovers[:LINES]
@@ -172,7 +172,7 @@ def _told(store: Store, planned: Plan, limits: Limits, now: float) -> list[str]:
         f"nothing would go; all results are {size(total)}"
         if not goes
         else f"{_count(len(planned.removals), 'result')} (computed in {duration(planned.seconds)}) and "
-        f"unfinished work of {_count(len(planned.leftovers), 'stage')} would go: {size(planned.size)}; "
+        f"{_count(len(planned.leftovers), 'leftover')} would go: {size(planned.size)}; "
         f"all results are {size(total)}"
     )
     lines += _too_large(planned, limits)
