@@ -21,9 +21,7 @@ def check_loaded(stage: str, code: Fingerprint) -> None:
     StageError
         Naming the modules.
     """
-    sources = Sources()
-    edited = [n for n in (*code.modules, *code.bare) if not _is_stated(n, code, sources)]
-    if edited:
+    if edited := edited_modules(code):
         more = f" and {len(edited) - NAMED} more" if len(edited) > NAMED else ""
         raise StageError(
             stage,
@@ -31,6 +29,12 @@ def check_loaded(stage: str, code: Fingerprint) -> None:
             "fingerprinted it: the result would be kept under the key of other code",
             remedy="start again in a new process",
         )
+
+
+def edited_modules(code: Fingerprint) -> list[str]:
+    """Modules in memory that are not what a fingerprint says of them."""
+    sources = Sources()
+    return [n for n in (*code.modules, *code.bare) if not _is_stated(n, code, sources)]
 
 
 def _is_stated(name: str, code: Fingerprint, sources: Sources) -> bool:

@@ -1,4 +1,8 @@
-"""Signals to stop (Ctrl-C, SIGTERM, SIGHUP) that wait for a moment at which the work can be saved."""
+"""Requests to stop that wait for a moment at which the work can be saved.
+
+In the main thread they are signals: Ctrl-C, SIGTERM, SIGHUP. In other threads, where no signal arrives,
+whoever started the thread's work sets an event.
+"""
 
 from __future__ import annotations
 
@@ -44,20 +48,30 @@ class Interrupts:
     ----------
     on_request
         Called when a signal is deferred, inside the signal handler.
+    event
+        Set by another thread that asks to stop; nothing is called then.
 
     Attributes
     ----------
     deferrable
         Set by the run once the stage has shown that it makes checkpoints.
-    requested
-        The first signal that was deferred; the next one stops at once.
     """
 
-    def __init__(self, on_request: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self, on_request: Callable[[], None] = lambda: None, event: threading.Event | None = None
+    ) -> None:
         self._on_request = on_request
+        self._event = event
         self._last = float("-inf")
+        self._signal: int | None = None
         self.deferrable = False
-        self.requested: int | None = None
+
+    @property
+    def requested(self) -> int | None:
+        """The first signal that was deferred (the next one stops at once), or that an event stands for."""
+        if self._event is not None and self._event.is_set():
+            return signal.SIGINT
+        return self._signal
 
     def handle(self, number: int, frame: FrameType | None) -> None:
         """Signal handler.
@@ -71,15 +85,15 @@ class Interrupts:
         if number != signal.SIGINT and now - self._last < REPEATED:
             return
         self._last = now
-        if not self.deferrable or self.requested:
+        if not self.deferrable or self._signal:
             raise Stopped(number)
-        self.requested = number
+        self._signal = number
         # It may come while a stream is being written to, or because the terminal is gone.
         with contextlib.suppress(RuntimeError, OSError):
             self._on_request()
 
     def check(self) -> None:
-        """Stop now if a signal was deferred.
+        """Stop now if that was asked for.
 
         Raises
         ------
@@ -90,13 +104,26 @@ class Interrupts:
             raise Stopped(self.requested)
 
 
+_of_thread = threading.local()
+
+
+@contextlib.contextmanager
+def stopped_by(event: threading.Event) -> Iterator[None]:
+    """Let an event ask the stages to stop that run in the block, in this thread."""
+    _of_thread.event = event
+    try:
+        yield
+    finally:
+        del _of_thread.event
+
+
 @contextlib.contextmanager
 def deferred_interrupts(on_request: Callable[[], None] = lambda: None) -> Iterator[Interrupts]:
-    """Handle signals in the block; outside the main thread, where none arrives, do nothing.
+    """Handle signals in the block; outside the main thread, where none arrives, heed the event.
 
     Those that the process ignores (as under ``nohup``) stay ignored.
     """
-    interrupts = Interrupts(on_request)
+    interrupts = Interrupts(on_request, getattr(_of_thread, "event", None))
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
         return

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from pipeline.cases import Case, CaseDone, CaseFailed, CaseResult, OpenCase
+from pipeline.errors import StageError
 from pipeline.events import (
     CaseEvent,
     Event,
@@ -23,7 +24,7 @@ from pipeline.events import (
     StageStarted,
     StageStopping,
 )
-from pipeline.executors import Completion, Executor
+from pipeline.executors.protocol import Completion, Executor, LostJob
 from pipeline.interrupts import Interrupts
 from pipeline.obtaining import Obtained, Policy, expected_seconds, look, obtain
 from pipeline.outcome import Outcome
@@ -39,6 +40,8 @@ OPEN = 1000
 
 REMEMBERED = 10_000
 """Results whose facts are kept in memory; others are looked up in the store again."""
+
+LOST_REMEDY = "look into the log of the workers; if they ran out of memory, start fewer of them on one machine"
 
 POLL = 0.2
 """Seconds in which a signal is noticed while other processes work."""
@@ -200,10 +203,12 @@ class Schedule:
 
     def _computed(self, completion: Completion, job: _Job) -> None:
         """Hand a result, or the error instead of it, to all who wait for it."""
-        if isinstance(completion.error, Exception):
-            self._failed.add(completion.tag, completion.error)
+        if isinstance(error := completion.error, Exception):
+            if isinstance(error, LostJob):
+                error = StageError(job.stage, str(error), remedy=LOST_REMEDY)
+            self._failed.add(completion.tag, error)
             for number, _ in job.waiting:
-                self._fail(number, job.stage, completion.error)
+                self._fail(number, job.stage, error)
             return
         found: Obtained = completion.value
         self._known.add(found.key, found)

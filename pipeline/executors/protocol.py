@@ -6,8 +6,18 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
+from pipeline.errors import MyofilmError
+
 Hear: TypeAlias = Callable[[Hashable, Any], None]
 """Receives the tag of a job and a message that the job told while it ran."""
+
+
+class LostJob(MyofilmError):  # noqa: N818 - it says what happened to the job
+    """Every process that ran a job died of it, or so it seems."""
+
+
+class LostExecutor(MyofilmError):  # noqa: N818 - likewise
+    """There is no way any more to have jobs run."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +62,11 @@ class Executor(Protocol):
 
         Messages of running jobs are passed to ``hear`` meanwhile, in this thread.
 
+        A job whose processes died again and again ends with :class:`LostJob`.
+
         Raises
         ------
-        MyofilmError
+        LostExecutor
             If no job can be run any more.
         """
         ...

@@ -86,6 +86,10 @@ class LocalStore:
         """Lists, tags, removing."""
         return LocalUpkeep(self.path, self._registers)
 
+    def __reduce__(self) -> tuple[Callable[[Path], LocalStore], tuple[Path]]:
+        """In another process: the one store of this path that all jobs there use."""
+        return _of_process, (self.path,)
+
     def begin(self, label: RunLabel) -> None:
         """Make a run known, before it asks for artefacts under its label."""
         with self._unless_read_only():
@@ -269,6 +273,11 @@ class LocalStore:
                 f"the store {self.path} has layout version {version}; this program knows versions "
                 f"up to {SCHEMA}: update it, or choose another store with --store"
             )
+
+
+@lru_cache(maxsize=16)
+def _of_process(path: Path) -> LocalStore:
+    return LocalStore(path)
 
 
 def _entries(folder: Path) -> list[str]:

@@ -1,0 +1,140 @@
+"""The executor that a user asks for."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from pipeline.errors import InputError
+from pipeline.executors.protocol import Executor
+from pipeline.executors.serial import SerialExecutor
+from pipeline.store import Store
+from pipeline.store.labels import RunLabel
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+CONNECT = 5.0
+"""Seconds in which a scheduler must answer."""
+
+THREADS = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "NUMBA_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+    ),
+    "1",
+)
+"""Environment of local workers: each has one core."""
+
+LOCAL = {
+    "distributed.scheduler.allowed-failures": 2,
+    "distributed.scheduler.worker-ttl": None,  # the kernel tells of the death of a local process
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.gil.enabled": False,
+}
+
+
+@contextlib.contextmanager
+def opened(
+    workers: int | None,
+    cluster: str | None,
+    store: Store,
+    label: RunLabel,
+    warn: Callable[[str], None] = lambda line: None,
+) -> Iterator[Executor]:
+    """Executor in this process, on local worker processes, or on those of a running scheduler.
+
+    Parameters
+    ----------
+    workers
+        Local processes; ``None`` or 1 for this process alone.
+    cluster
+        Address of a dask.distributed scheduler, for instance ``tcp://10.0.0.1:8786``.
+    store, label
+        What the workers of a scheduler must see: the store, and in it the run.
+    warn
+        Receives lines about what a user should know.
+
+    Raises
+    ------
+    InputError
+        If both are asked for, the scheduler does not answer, or one of its workers cannot be used.
+    """
+    if cluster is not None and workers is not None:
+        raise InputError(
+            "--workers and --cluster contradict each other; the workers of a cluster are those that it has"
+        )
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers must be at least 1, got {workers}")
+    executor: Executor
+    if cluster is not None:
+        executor = _on_cluster(cluster, store, label, warn)
+    elif workers is not None and workers > 1:
+        executor = _on_local_workers(workers, warn)
+    else:
+        executor = SerialExecutor()
+    with contextlib.closing(executor):
+        yield executor
+
+
+def _on_cluster(
+    address: str, store: Store, label: RunLabel, warn: Callable[[str], None]
+) -> Executor:
+    from pipeline.executors.agreement import Agreement
+    from pipeline.executors.dask import DaskExecutor
+
+    _silence()
+    agreement = Agreement.here(store, label)
+
+    def connect() -> Client:
+        from distributed import Client
+
+        return Client(address, timeout=CONNECT, set_as_default=False)
+
+    try:
+        return DaskExecutor(connect, agreement, warn=warn)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(
+            f"no dask scheduler answers at {address!r} within {CONNECT:g} s ({_cause(error)}); give "
+            "the address that `dask scheduler` tells, such as tcp://10.0.0.1:8786"
+        ) from error
+
+
+def _on_local_workers(workers: int, warn: Callable[[str], None]) -> Executor:
+    import dask.config
+    from distributed import Client, LocalCluster
+
+    from pipeline.executors.dask import DaskExecutor
+
+    _silence()
+    with dask.config.set(LOCAL):
+        cluster: Any = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=0,  # they hold no results; what a stage needs it needs
+            silence_logs=logging.CRITICAL,
+            env=THREADS,
+            preload="pipeline.executors.preload",
+        )
+    return DaskExecutor(
+        lambda: Client(cluster, set_as_default=False),
+        warn=warn,
+        on_close=lambda: cluster.close(timeout=5),
+    )
+
+
+def _silence() -> None:
+    """What matters of what distributed logs, such as lost connections, is told in our own words."""
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+
+
+def _cause(error: Exception) -> str:
+    return str(error).partition("\n")[0] or type(error).__name__
