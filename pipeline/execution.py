@@ -52,12 +52,19 @@ def execute(
     code = stated.code
     check_loaded(stage.name, code)
     started = _now()
-    run = StoreRun(
-        task.name, stage.name, key, code, stage.signature.record, work, listen, checkpoint_interval
-    )
-    resumed = run.resumed_frames
-    listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
     try:
+        run = StoreRun(
+            task.name,
+            stage.name,
+            key,
+            code,
+            stage.signature.record,
+            work,
+            listen,
+            checkpoint_interval,
+        )
+        resumed = run.resumed_frames
+        listen(StageStarted(task.name, stage.name, key, resumed, task.expected_seconds))
         inputs = {role: _load(task, role, store) for role in task.inputs}
         _compute(task, inputs, run, store)
         check_loaded(stage.name, code)  # again: modules may have been loaded on the way
