@@ -96,3 +96,66 @@ def test_a_run_that_computes_nothing_needs_no_heavy_library(desk: Desk) -> None:
     desk.run("out")
     where = ("--config", desk.config, "--store", desk.store, "--out", desk.folder / "out")
     assert not imported("run", "planar-waves", *where) & (LIGHT | NUMERICS)
+
+
+COUNTING = """
+import collections, os, sys
+opened = collections.Counter()
+def note(event, arguments):
+    if event == "open" and isinstance(arguments[0], str):
+        opened[os.path.abspath(arguments[0])] += 1
+sys.addaudithook(note)
+import pipeline.sources
+parsed = pipeline.sources.parsed
+def counted(contents, package):
+    opened["<parsed>"] += 1
+    return parsed(contents, package)
+pipeline.sources.parsed = counted
+from workflows.cli import app
+try:
+    app(sys.argv[1:], prog_name="myofilm")
+except SystemExit as end:
+    assert not end.code, end.code
+finally:
+    print(*(f"{count} {name}" for name, count in opened.items()), sep="\\n", file=sys.stderr)
+"""
+
+
+def opened(cache: Path, *arguments: object) -> dict[str, int]:
+    """How often a command opens each file; ``<parsed>`` counts the source files that it parses."""
+    done = subprocess.run(
+        [sys.executable, "-c", COUNTING, *map(str, arguments)],
+        env=os.environ | {"PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(cache)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    counts = (line.partition(" ") for line in done.stderr.splitlines())
+    return {name: int(count) for count, _, name in counts if count.isdigit()}
+
+
+@pytest.mark.parametrize("command", ["explain", "run"])
+def test_what_was_computed_is_found_by_manifests_and_known_sources_alone(
+    desk: Desk, command: str
+) -> None:
+    out = desk.folder / "out"
+    desk.run("out")
+    where = ["--config", desk.config, "--store", desk.store]
+    if command == "run":
+        where += ["--out", out]
+    cache = desk.folder / "cache"
+    opened(cache, command, "planar-waves", *where)
+    files = {p: p.stat().st_mtime_ns for p in out.iterdir()}
+    counts = opened(cache, command, "planar-waves", *where)
+    # Every source file was parsed before, by whatever process; each is read once as it is loaded, once for
+    # all keys, and once for all that is exported, and never parsed.
+    assert counts.pop("<parsed>", 0) == 0
+    sources = {n: c for n, c in counts.items() if n.startswith(str(ROOT)) and n.endswith(".py")}
+    assert len(sources) > 100
+    assert max(sources.values()) <= 3
+    # The size of results does not matter: none of their data is opened.
+    objects = str(desk.store / "objects")
+    assert {Path(n).name for n in counts if n.startswith(objects)} == {"manifest.json"}
+    # What is up to date is not written again.
+    assert {p: p.stat().st_mtime_ns for p in out.iterdir()} == files

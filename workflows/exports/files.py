@@ -57,3 +57,11 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file in one go."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def holds(path: Path, text: str) -> bool:
+    """Whether a file is there and holds a text already."""
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError:
+        return False

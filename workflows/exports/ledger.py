@@ -15,14 +15,20 @@ from typing import Any
 
 from pipeline.canonical import digest
 from pipeline.fingerprint import fingerprint
+from pipeline.sources import Sources
 from workflows.exports.files import write_text
 
 NAME = "exports.json"
 
 
-def source_id(modules: Iterable[str], contents: Mapping[str, Any]) -> str:
-    """Digest of what an export is made from: its code, and the ids of all that it shows."""
-    code = fingerprint(modules, ("workflows", "stages")).digest
+def source_id(
+    modules: Iterable[str], contents: Mapping[str, Any], sources: Sources | None = None
+) -> str:
+    """Digest of what an export is made from: its code, and the ids of all that it shows.
+
+    The code is that of ``sources``, read before, or without them that of the files as they are now.
+    """
+    code = fingerprint(modules, ("workflows", "stages"), sources).digest
     return digest({"code": code, "contents": dict(contents)})
 
 
@@ -33,9 +39,15 @@ class Ledger:
     ----------
     folder
         Output folder.
+
+    Attributes
+    ----------
+    sources
+        The code that makes files now: all are made by one state of it.
     """
 
     def __init__(self, folder: Path) -> None:
+        self.sources = Sources()
         self._folder = folder
         self._entries = _read(folder / NAME)
 

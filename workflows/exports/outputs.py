@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pipeline.canonical import canonical
 from pipeline.verification import telling_damage
 from workflows.experiment import Experiment
-from workflows.exports.files import write_text
+from workflows.exports.files import holds, write_text
 from workflows.exports.ledger import Ledger, source_id
 from workflows.workflow import Export, Quantity
 
@@ -65,7 +65,7 @@ def read_quantities(request: Request, outcomes: Outcomes, ledger: Ledger) -> dic
     workflow = request.workflow
     results = _contents(outcomes, request.measured)
     config = canonical(request.config)
-    source = source_id(workflow.modules, {"results": results, "config": config})
+    source = source_id(workflow.modules, {"results": results, "config": config}, ledger.sources)
     kept = ledger.value("quantities", source)
     if kept is None:
         with reading(outcomes.values()):
@@ -83,7 +83,8 @@ def write_summary(
     ``seconds`` is the time that this run spent on a stage: none if its result was in the store.
     """
     text = summary_text({"workflow": request.workflow.name}, quantities, outcomes)
-    write_text(folder / "summary.json", text)
+    if not holds(folder / "summary.json", text):
+        write_text(folder / "summary.json", text)
 
 
 def summary_text(
@@ -110,14 +111,14 @@ def _summarised(quantity: Quantity) -> dict[str, Any]:
     return entry if quantity.limit is None else entry | {"limit": quantity.limit}
 
 
-def _source(export: Export, request: Request, outcomes: Outcomes) -> str:
+def _source(export: Export, request: Request, outcomes: Outcomes, ledger: Ledger) -> str:
     shown = {section: getattr(request.config, section) for section in export.sections}
     contents = {
         "results": _contents(outcomes, export.stages),
         "config": canonical(shown),
         "arguments": export.arguments,
     }
-    return source_id(export.modules, contents)
+    return source_id(export.modules, contents, ledger.sources)
 
 
 def _make(
@@ -128,7 +129,7 @@ def _make(
     ledger: Ledger,
     folder: Path,
 ) -> None:
-    source = _source(export, request, outcomes)
+    source = _source(export, request, outcomes, ledger)
     if all(ledger.is_current(file, source) for file in export.files):
         return
     importlib.import_module(export.modules[0]).write(experiment, folder, *export.arguments)
@@ -151,9 +152,9 @@ def _make_report(
         "quantities": {name: repr(quantity) for name, quantity in quantities.items()},
         "remarks": list(request.workflow.remarks(quantities)),
         "template": template.read_text(encoding="utf-8"),
-        "exports": [_source(export, request, outcomes) for export in request.exports],
+        "exports": [_source(export, request, outcomes, ledger) for export in request.exports],
     }
-    source = source_id(["workflows.report"], contents)
+    source = source_id(["workflows.report"], contents, ledger.sources)
     if not ledger.is_current("report.html", source):
         from workflows.report import render
 
