@@ -60,7 +60,7 @@ def run_sweep(
     if not way.quiet:
         tell_results(results, folder)
     if results.errors:
-        raise FailedCasesError(results, folder)
+        raise FailedCasesError(results, sweep.earlier, folder)
 
 
 def _advise(asked: Asked) -> None:

@@ -32,7 +32,8 @@ class StageForecast:
     hits
         Those whose results are in the store.
     open
-        Those that are hits if what comes before gives the same as some time before.
+        Those whose inputs are not there yet: where these come out equal, they are one computation, and
+        where they come out as some time before, they are hits.
     seconds, size
         Cost of one, after the most similar past one; ``None`` if there is none.
     """
@@ -57,10 +58,18 @@ class Forecast:
     ----------
     store
         Where results may be; only manifests are read.
+
+    Attributes
+    ----------
+    stages
+        By name.
+    cases
+        Of each case, in order, a number for each node, the same for nodes that are alike.
     """
 
     def __init__(self, store: Store) -> None:
         self.stages: dict[str, StageForecast] = {}
+        self.cases: list[dict[str, int]] = []
         self._store = store
         self._identities = Identities()
         self._codes = Codes()
@@ -70,10 +79,12 @@ class Forecast:
     def add(self, nodes: Mapping[str, Node[Any]]) -> None:
         """Count the stages of one case that no other case has."""
         numbers: dict[int, int] = {}
-        for _, node in in_order(nodes):
-            numbers[id(node)] = number = self._identities.of(node, numbers)
+        case = {}
+        for name, node in in_order(nodes):
+            numbers[id(node)] = case[name] = number = self._identities.of(node, numbers)
             if number not in self._found:
                 self._found[number] = self._judge(node, numbers)
+        self.cases.append(case)
 
     def add_all(self, cases: Iterable[Mapping[str, Node[Any]]]) -> Forecast:
         """Count all cases."""
@@ -86,12 +97,14 @@ class Forecast:
         name = node.stage.name
         stage = self.stages.setdefault(name, StageForecast(name))
         stage.different += 1
+        origins = (numbers[id(source_node(source))] for source in node.inputs.values())
+        is_open = any(self._found[origin] is None for origin in origins)
+        stage.open += is_open
         there = self._keys(name)
-        if not there:
+        if not there or (is_open and stage.seconds is not None):
             return None
         inputs = self._inputs(node, numbers)
-        if any(entry.content == UNKNOWN for entry in inputs.values()):
-            stage.open += 1
+        if is_open:
             self._estimate(stage, node, inputs)
             return None
         stated = statement_of(node, self._codes.of(node), inputs)

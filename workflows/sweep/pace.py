@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +16,7 @@ from pipeline.events import (
     StageProgress,
     StageStarted,
 )
-from workflows.sweep.forecast import StageForecast
+from workflows.sweep.forecast import Forecast
 
 
 @dataclass
@@ -24,21 +25,35 @@ class StagePace:
 
     Attributes
     ----------
-    total
-        Different results that the cases need.
+    planned
+        Results that the cases need, told apart by what is known before their inputs are there.
     expected
         Seconds that one took in the past, if that is known.
+    seen
+        Numbers of the planned results that are there.
     there
-        Keys of those that are there.
+        Their keys: fewer, if inputs came out the same.
     computed, seconds
         How many were computed by now, and their time together.
     """
 
-    total: int
+    planned: int
     expected: float | None = None
+    seen: set[int] = field(default_factory=set)
     there: set[str] = field(default_factory=set)
     computed: int = 0
     seconds: float = 0.0
+
+    @property
+    def missing(self) -> float:
+        """Results that are still to come, if as many turn out the same as up to now."""
+        fresh = len(self.there) / len(self.seen) if self.seen else 1.0
+        return max(self.planned - len(self.seen), 0) * fresh
+
+    @property
+    def total(self) -> int:
+        """Results in the end."""
+        return len(self.there) + math.ceil(self.missing)
 
     @property
     def mean(self) -> float | None:
@@ -52,8 +67,8 @@ class Pace:
     Parameters
     ----------
     cases
-        Number of cases.
-    stages
+        Number of each case, by its name.
+    forecast
         What they need.
     clock
         Seconds.
@@ -61,12 +76,16 @@ class Pace:
 
     def __init__(
         self,
-        cases: int,
-        stages: Mapping[str, StageForecast],
+        cases: Mapping[str, int],
+        forecast: Forecast,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.cases, self.done, self.failed = cases, 0, 0
-        self.stages = {name: StagePace(s.different, s.seconds) for name, s in stages.items()}
+        self.cases, self.done, self.failed = len(cases), 0, 0
+        self.stages = {
+            name: StagePace(stage.different, stage.seconds)
+            for name, stage in forecast.stages.items()
+        }
+        self._numbers, self._planned = cases, forecast.cases
         self._clock = clock
         self._running: dict[tuple[str, str], tuple[str, float]] = {}
         self._shares: dict[tuple[str, str], float] = {}
@@ -85,9 +104,9 @@ class Pace:
             self._running.pop(node, None)
             self._shares.pop(node, None)
         if isinstance(inner, StageHit | StageFinished):
-            stage = self.stages.setdefault(inner.stage, StagePace(0))
+            stage = self.stages[inner.stage]
             stage.there.add(inner.key)
-            stage.total = max(stage.total, len(stage.there))
+            stage.seen.add(self._planned[self._numbers[case]][inner.node])
         if isinstance(inner, StageFinished):
             stage.computed += 1
             stage.seconds += inner.seconds
@@ -114,10 +133,9 @@ class Pace:
         """
         seconds = 0.0
         for stage in self.stages.values():
-            missing = stage.total - len(stage.there)
-            if missing and stage.mean is None:
+            if stage.missing and stage.mean is None:
                 return None
-            seconds += missing * (stage.mean or 0.0)
+            seconds += stage.missing * (stage.mean or 0.0)
         for name, began in self._running.values():
             mean = self.stages[name].mean if name in self.stages else None
             seconds -= min(self._clock() - began, mean or 0.0)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Protocol
 
@@ -16,15 +18,57 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 
+NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")
+
+
+class Noteworthy:
+    """Picks what is told of a sweep: of warnings that differ in numbers only, the first.
+
+    Parameters
+    ----------
+    verbose
+        Whether every event is told.
+    """
+
+    def __init__(self, *, verbose: bool) -> None:
+        self._verbose = verbose
+        self._warned: Counter[tuple[str, str]] = Counter()
+
+    def __call__(self, event: Event) -> str:
+        """Line about an event, empty for those that say nothing about a sweep as a whole."""
+        case, inner = (event.case, event.event) if isinstance(event, CaseEvent) else ("", event)
+        if isinstance(inner, StageWarned):
+            kind = (inner.node, NUMBER.sub("#", inner.message))
+            self._warned[kind] += 1
+            if self._warned[kind] > 1 and not self._verbose:
+                return ""
+        elif not self._verbose and not isinstance(inner, StageStopping):
+            return ""
+        line = told(inner)
+        return f"{case}, {line}" if line and case else line
+
+    def repeated(self) -> list[str]:
+        """Lines about the warnings that were left out."""
+        if self._verbose:
+            return []
+        return [
+            f"{node}: {count - 1} more of these warnings: {message}"
+            for (node, message), count in self._warned.items()
+            if count > 1
+        ]
+
+
 class Display(Protocol):
     """Tells how a sweep goes."""
+
+    noteworthy: Noteworthy
 
     def __call__(self, event: Event) -> None:
         """Tell one event, if it is worth it."""
         ...
 
-    def case_done(self, name: str, error: str | None) -> None:
-        """Tell that a case has ended, with its error if it failed."""
+    def case_done(self, name: str, error: str | None, *, earlier: bool = False) -> None:
+        """Tell that a case has ended, with its error if it failed, unless it did so ``earlier``."""
         ...
 
 
@@ -32,18 +76,23 @@ class Display(Protocol):
 def watching_cases(pace: Pace, *, quiet: bool, verbose: bool) -> Iterator[Display]:
     """Display that suits where the output goes; when quiet, warnings and failures only."""
     with contextlib.ExitStack() as stack:
+        display: Display = CaseLines(_say, pace, quiet=quiet, verbose=verbose)
         if not quiet and on_terminal():
-            from rich.progress import BarColumn, Progress, TextColumn
+            display = CaseBars(stack.enter_context(_live_display()), pace, verbose=verbose)
+        yield display
+    for line in display.noteworthy.repeated():
+        _say(line, True)
 
-            progress = Progress(
-                TextColumn("{task.description}"),
-                BarColumn(bar_width=None),
-                TextColumn("{task.fields[told]}"),
-                transient=True,
-            )
-            yield CaseBars(stack.enter_context(progress), pace, verbose=verbose)
-        else:
-            yield CaseLines(_say, pace, quiet=quiet, verbose=verbose)
+
+def _live_display() -> Progress:
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.fields[told]}"),
+        transient=True,
+    )
 
 
 def summary(pace: Pace) -> str:
@@ -51,22 +100,12 @@ def summary(pace: Pace) -> str:
 
     Examples
     --------
-    >>> pace = Pace(21, {})
-    >>> pace.case_done(failed=False); pace.case_done(failed=True)
-    >>> summary(pace)
+    >>> from types import SimpleNamespace
+    >>> summary(SimpleNamespace(done=1, failed=1, cases=21))
     '2 of 21 cases, 1 failed'
     """
     words = f"{pace.done + pace.failed} of {pace.cases} cases"
     return words + (f", {pace.failed} failed" if pace.failed else "")
-
-
-def noteworthy(event: Event, *, verbose: bool) -> str:
-    """Line about an event, empty for those that say nothing about a sweep as a whole."""
-    case, inner = (event.case, event.event) if isinstance(event, CaseEvent) else ("", event)
-    if not verbose and not isinstance(inner, StageWarned | StageStopping):
-        return ""
-    line = told(inner)
-    return f"{case}, {line}" if line and case else line
 
 
 class CaseLines:
@@ -94,20 +133,20 @@ class CaseLines:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._say, self._pace, self._clock = say, pace, clock
-        self._quiet, self._verbose = quiet, verbose
-        self._last = clock()
+        self._quiet, self._last = quiet, clock()
+        self.noteworthy = Noteworthy(verbose=verbose)
 
     def __call__(self, event: Event) -> None:
         """Tell one event."""
         self._pace(event)
-        if line := noteworthy(event, verbose=self._verbose):
+        if line := self.noteworthy(event):
             self._say(line, True)
         self._now_and_then()
 
-    def case_done(self, name: str, error: str | None) -> None:
+    def case_done(self, name: str, error: str | None, *, earlier: bool = False) -> None:
         """Tell a failure at once."""
         self._pace.case_done(failed=error is not None)
-        if error is not None:
+        if error is not None and not earlier:
             self._say(f"case {name} failed: {error.splitlines()[0]}", True)
         self._now_and_then()
 
@@ -138,7 +177,8 @@ class CaseBars:
     """
 
     def __init__(self, progress: Progress, pace: Pace, *, verbose: bool = False) -> None:
-        self._progress, self._pace, self._verbose = progress, pace, verbose
+        self._progress, self._pace = progress, pace
+        self.noteworthy = Noteworthy(verbose=verbose)
         self._cases = progress.add_task("cases", total=pace.cases, told="")
         self._stages: dict[str, TaskID] = {}
         self._update()
@@ -146,14 +186,14 @@ class CaseBars:
     def __call__(self, event: Event) -> None:
         """Tell one event."""
         self._pace(event)
-        if line := noteworthy(event, verbose=self._verbose):
+        if line := self.noteworthy(event):
             self._progress.console.print(line, highlight=False, markup=False)
         self._update()
 
-    def case_done(self, name: str, error: str | None) -> None:
+    def case_done(self, name: str, error: str | None, *, earlier: bool = False) -> None:
         """Move the bar of the cases."""
         self._pace.case_done(failed=error is not None)
-        if error is not None:
+        if error is not None and not earlier:
             line = f"case {name} failed: {error.splitlines()[0]}"
             self._progress.console.print(line, highlight=False, markup=False)
         self._update()

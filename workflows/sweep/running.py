@@ -23,7 +23,7 @@ from workflows.sweep.journal import Failure, Journal
 from workflows.sweep.measuring import Measure, quantities_of
 from workflows.sweep.outputs import write_case, write_results
 from workflows.sweep.pace import Pace
-from workflows.sweep.progress import Display, watching_cases
+from workflows.sweep.progress import Display, summary, watching_cases
 from workflows.sweep.results import Results
 from workflows.sweep.study import Study
 from workflows.ways import USUAL, Way
@@ -35,11 +35,14 @@ LISTED = 20
 class FailedCasesError(MyofilmError):
     """Cases of a sweep failed; the others are done."""
 
-    def __init__(self, results: Results, folder: Path) -> None:
+    def __init__(self, results: Results, earlier: int, folder: Path) -> None:
         design = results.study.design
         failed = sorted(results.errors)
-        lines = [f"{len(failed)} of {len(design)} cases failed:"]
-        lines += [f"{design[number]}: {results.errors[number]}" for number in failed[:LISTED]]
+        before = f", {earlier} of them before and not tried again" if earlier else ""
+        lines = [f"{len(failed)} of {len(design)} cases failed{before}:"]
+        for number in failed[:LISTED]:
+            error = results.errors[number].replace("\n", "\n  ")
+            lines.append(f"{design[number]}:\n  {error}")
         if len(failed) > LISTED:
             lines.append(f"and {len(failed) - LISTED} more, all listed in {folder / 'cases.csv'}")
         lines.append("Remedy: the same command with --retry-failed tries them again")
@@ -65,6 +68,11 @@ class Sweep:
         Whether cases are tried again that failed before.
     each
         Whether every case gets its own report, pictures and data.
+
+    Attributes
+    ----------
+    earlier
+        Cases that failed in an earlier call and are not tried again.
     """
 
     def __init__(
@@ -84,6 +92,7 @@ class Sweep:
         self._codes = Codes()
         self._results = Results(study)
         self._seen: set[str] = set()
+        self.earlier = 0
 
     def __enter__(self) -> Sweep:
         self._journal.began(" ".join(sys.argv), len(self._study.design))
@@ -109,7 +118,7 @@ class Sweep:
         Stopped
             If a signal asked to stop.
         """
-        pace = Pace(len(self._study.design), forecast.stages)
+        pace = Pace(self._study.design.numbers, forecast)
         try:
             with watching_cases(pace, quiet=self._way.quiet, verbose=self._way.verbose) as display:
                 for result in sweep(
@@ -123,6 +132,8 @@ class Sweep:
                     self._note(result, display)
         except KeyboardInterrupt:
             self._write("stopped")
+            if not self._way.quiet:
+                print(f"\n{summary(pace)} are done; tables, figure and report show these")
             raise
         self._write("ended")
         return self._results
@@ -140,7 +151,8 @@ class Sweep:
             known = failure is not None and failure.code == self._code(failure.stage, nodes)
             if failure is not None and known and not self._retry:
                 self._results.errors[number] = failure.error
-                display.case_done(case.name, failure.error)
+                display.case_done(case.name, failure.error, earlier=True)
+                self.earlier += 1
                 continue
             yield Case(case.name, nodes, case)
 

@@ -16,7 +16,7 @@ def tidy(results: Results) -> list[Column]:
     design = results.study.design
     numbers = range(len(design))
     names: list[Cell] = [design.name(i) for i in numbers]
-    errors: list[Cell] = [results.errors.get(i) for i in numbers]
+    errors: list[Cell] = [_one_line(results.errors.get(i)) for i in numbers]
     return [
         Column("case", "", names),
         Column("status", "", results.statuses),
@@ -59,6 +59,10 @@ def write_parquet(columns: list[Column], path: Path) -> bool:
     with replacing(path) as temporary:
         pyarrow.parquet.write_table(table, temporary)
     return True
+
+
+def _one_line(text: str | None) -> str | None:
+    return None if text is None else "; ".join(text.splitlines())
 
 
 def _text(cell: Cell) -> str:

@@ -20,8 +20,8 @@ def tell_forecast(study: Study, forecast: Forecast) -> None:
         if stage.to_compute and stage.seconds is not None and stage.size is not None:
             seconds = duration(stage.to_compute * stage.seconds)
             cost = f"{seconds}, {size(stage.to_compute * stage.size)}"
-        different, hits, missing = map(str, (stage.different, stage.hits, stage.to_compute))
-        rows.append((stage.name, different, hits, missing, cost))
+        missing = f"at most {stage.to_compute}" if stage.open else str(stage.to_compute)
+        rows.append((stage.name, str(stage.different), str(stage.hits), missing, cost))
     print(*aligned(rows), sep="\n")
     left = [stage for stage in forecast.stages.values() if stage.to_compute]
     known = [stage for stage in left if stage.seconds is not None]
@@ -29,13 +29,12 @@ def tell_forecast(study: Study, forecast: Forecast) -> None:
         print("nothing is left to compute")
     elif known:
         total = sum(stage.to_compute * (stage.seconds or 0.0) for stage in known)
-        least = "" if len(known) == len(left) else "at least "
-        print(f"{least}{duration(total)} of computing, after similar runs")
-    waiting = sum(stage.open for stage in forecast.stages.values())
-    if waiting:
+        but = "" if len(known) == len(left) else ", and what is unknown"
+        print(f"about {duration(total)} of computing, after similar runs{but}")
+    if any(stage.open for stage in forecast.stages.values()):
         print(
-            f"{waiting} of these turn out to be in the store if the stages before them give what they "
-            "gave some time before"
+            "at most: the stages before them must run first, and where these give the same, one "
+            "computation serves many cases"
         )
 
 
