@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from workflows.options import (
+    AcceptCode,
     Config,
     Name,
     RecomputeDamaged,
@@ -83,6 +84,7 @@ def sweep(
     name: RunName = None,
     store: StorePath = None,
     recompute_damaged: RecomputeDamaged = False,
+    accept_code: AcceptCode = False,
 ) -> None:
     """Run an experiment for many values of its parameters."""
     from workflows.sweep.asked import Asked
@@ -100,7 +102,7 @@ def sweep(
             asked,
             out or Path("results/sweep") / workflow,
             store,
-            Way(name, recompute_damaged, **ctx.obj),
+            Way(name, recompute_damaged, accept_code, **ctx.obj),
             retry_failed=retry_failed,
             each=each,
         )

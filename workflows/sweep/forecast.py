@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pipeline.keys import Ref
 from pipeline.manifest import InputEntry, Manifest
-from pipeline.nodes import Node, Part, in_order, source_node
+from pipeline.nodes import Node, Part, Source, in_order, source_node
 from pipeline.plan import statement_of
 from pipeline.reasons import UNKNOWN, nearest
 from pipeline.store import Store
@@ -80,8 +80,16 @@ class Forecast:
         """Count the stages of one case that no other case has."""
         numbers: dict[int, int] = {}
         case = {}
+
+        def input_of(source: Source) -> Hashable:
+            """Content of an input that is there: several nodes may have given the same."""
+            number = numbers[id(source_node(source))]
+            part = source.name if isinstance(source, Part) else None
+            found = self._found[number]
+            return (number, part) if found is None else found.content_of(part)
+
         for name, node in in_order(nodes):
-            numbers[id(node)] = case[name] = number = self._identities.of(node, numbers)
+            numbers[id(node)] = case[name] = number = self._identities.of(node, input_of)
             if number not in self._found:
                 self._found[number] = self._judge(node, numbers)
         self.cases.append(case)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from typing import Any
 
 from pipeline.canonical import is_structure, keyed_fields
-from pipeline.nodes import Node, Part, source_node
+from pipeline.nodes import Node, Source
 
 REMEMBERED = 200_000
 """Configurations whose identity is remembered by the object that they are."""
@@ -19,21 +19,17 @@ class Identities:
         self._numbers: dict[Hashable, int] = {}
         self._known: dict[int, tuple[Any, int]] = {}
 
-    def of(self, node: Node[Any], sources: Mapping[int, int]) -> int:
+    def of(self, node: Node[Any], input_of: Callable[[Source], Hashable]) -> int:
         """Number of a node.
 
         Parameters
         ----------
         node
             The node.
-        sources
-            Numbers of the nodes that its inputs come from, by their ``id``.
+        input_of
+            What tells an input from others: its content, or the number of the node that it comes from.
         """
-        inputs = tuple(
-            (role, source.name if isinstance(source, Part) else None, sources[id(from_node)])
-            for role, source in node.inputs.items()
-            for from_node in [source_node(source)]
-        )
+        inputs = tuple((role, input_of(source)) for role, source in node.inputs.items())
         return self._number(("node", node.stage.name, self._value(node.config), inputs))
 
     def _number(self, identity: Hashable) -> int:

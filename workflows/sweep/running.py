@@ -127,7 +127,11 @@ class Sweep:
                     executor,
                     finish=Measure(self._study.workflow.name, self._study.common),
                     listen=display,
-                    policy=Policy(label=self._label, recompute_damaged=self._way.recompute_damaged),
+                    policy=Policy(
+                        label=self._label,
+                        recompute_damaged=self._way.recompute_damaged,
+                        accept_code=self._way.accept_code,
+                    ),
                 ):
                     self._note(result, display)
         except KeyboardInterrupt:
