@@ -12,18 +12,18 @@ import os
 import signal
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pipeline.events import Event, StageFinished, StageHit, StageStarted, StageWarned
 from pipeline.nodes import Node
-from pipeline.runner import run
+from pipeline.runner import Outcome, run
 from pipeline.store import LocalStore
 from tests.faults.operations import Fault, Operation, Watch
 
-NEVER = float("inf")
+Look: TypeAlias = Callable[["Outcome"], None]
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Ending:
     resumed
         Frames of the checkpoint that each stage went on from, by stage.
     computed, hits
-        Stages that finished, or were there.
+        Stages that finished, or were there; ``keys`` are those of what it computed.
     warnings
         All that it warned of.
     """
@@ -53,6 +53,7 @@ class Ending:
     error: str = ""
     resumed: dict[str, int] = field(default_factory=dict)
     computed: list[str] = field(default_factory=list)
+    keys: list[str] = field(default_factory=list)
     hits: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -70,6 +71,8 @@ class Victim:
         What happens at its operations on the store.
     trace
         File to which it writes every operation, if wanted.
+    look
+        What it does with each result afterwards, in the same process.
     """
 
     def __init__(
@@ -79,6 +82,7 @@ class Victim:
         interval: float,
         fault: Fault | None = None,
         trace: Path | None = None,
+        look: Look | None = None,
     ) -> None:
         self._shared = mmap.mmap(-1, 1 << 16)  # what the child tells, readable after its death
         self._began = time.perf_counter()
@@ -86,7 +90,7 @@ class Victim:
         if self.pid == 0:
             code = 1
             try:
-                _Child(self._shared, fault, trace).run(nodes, store, interval)
+                _Child(self._shared, fault, trace, look).run(nodes, store, interval)
                 code = 0
             except BaseException:
                 self._shared[32768:] = traceback.format_exc()[-30000:].encode().ljust(32768, b"\0")
@@ -102,14 +106,23 @@ class Victim:
         except ValueError:
             return {}  # it is being written
 
+    @property
+    def ended(self) -> bool:
+        """Whether it ended, by itself or not."""
+        return os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+    def kill(self) -> None:
+        """Kill it; one that ended before is not waited for yet, so that its number is not another's."""
+        os.kill(self.pid, signal.SIGKILL)
+
     def kill_in(self, stage: str, after: float, patience: float = 60.0) -> None:
         """Kill it some seconds after a stage began, or let it end before."""
         deadline = time.perf_counter() + patience
-        while stage not in self.told.get("begun", ()) and not self._ended():
+        while stage not in self.told.get("begun", ()) and not self.ended:
             assert time.perf_counter() < deadline, f"stage {stage} never began"
             time.sleep(0.0005)
         time.sleep(after)
-        os.kill(self.pid, signal.SIGKILL)  # of a child not waited for yet: its number is not reused
+        self.kill()
 
     def wait(self) -> Ending:
         """How it ended."""
@@ -124,23 +137,23 @@ class Victim:
             error=error,
             resumed=told.get("resumed", {}),
             computed=told.get("computed", []),
+            keys=told.get("keys", []),
             hits=told.get("hits", []),
             warnings=told.get("warnings", []),
         )
 
-    def _ended(self) -> bool:
-        found = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
-        return found is not None
-
 
 class _Child:
-    def __init__(self, shared: mmap.mmap, fault: Fault | None, trace: Path | None) -> None:
-        self._shared, self._fault = shared, fault
+    def __init__(
+        self, shared: mmap.mmap, fault: Fault | None, trace: Path | None, look: Look | None
+    ) -> None:
+        self._shared, self._fault, self._look = shared, fault, look
         self._trace = None if trace is None else open(trace, "w")  # noqa: SIM115 - until the end
         self._told: dict[str, Any] = {
             "begun": [],
             "resumed": {},
             "computed": [],
+            "keys": [],
             "hits": [],
             "warnings": [],
             "place": "",
@@ -149,7 +162,10 @@ class _Child:
 
     def run(self, nodes: Mapping[str, Node[Any]], store: Path, interval: float) -> None:
         self._watch = Watch(store, self._at)
-        run(nodes, LocalStore(store), listen=self._listen, checkpoint_interval=interval)
+        kept = LocalStore(store)
+        outcomes = run(nodes, kept, listen=self._listen, checkpoint_interval=interval)
+        for outcome in outcomes.values() if self._look is not None else ():
+            self._look(outcome)
         if self._trace is not None:
             self._trace.close()
 
@@ -169,6 +185,7 @@ class _Child:
                 self._told["resumed"][event.stage] = event.resumed_frames
         elif isinstance(event, StageFinished):
             self._told["computed"].append(event.stage)
+            self._told["keys"].append(event.key)
         elif isinstance(event, StageHit):
             self._told["hits"].append(event.stage)
         elif isinstance(event, StageWarned):

@@ -28,7 +28,6 @@ from pipeline.store.remote.registers import RemoteRegisters
 from pipeline.store.tags import checked
 from pipeline.store.upkeep import Leftover
 
-
 WAIT = 0.1
 """Seconds between looks at a removal that is under way."""
 
