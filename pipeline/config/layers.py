@@ -14,13 +14,18 @@ from pipeline.errors import InputError
 def read_toml(path: Path) -> dict[str, Any]:
     """Tables of a TOML file, which may begin with a byte-order mark, as some editors write it.
 
+    Where a table names a ``file`` that is not an absolute path, it lies beside the TOML file.
+
     Raises
     ------
     InputError
         If the file cannot be read or is malformed; names file and line.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        tables: dict[str, Any] = _beside(
+            path.parent, tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        )
+        return tables
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not valid TOML: {error}") from error
     except UnicodeDecodeError as error:
@@ -28,6 +33,15 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path} is not valid UTF-8 text (at line {line})") from error
     except OSError as error:
         raise InputError(f"cannot read the configuration {path}: {error.strerror}") from error
+
+
+def _beside(folder: Path, value: Any, name: str = "") -> Any:
+    """The same with every path called ``file`` taken from a folder."""
+    if isinstance(value, dict):
+        return {key: _beside(folder, item, key) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_beside(folder, item) for item in value]
+    return str(folder / value) if name == "file" and isinstance(value, str) else value
 
 
 def merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:

@@ -52,12 +52,20 @@ def told(
 
 
 def locate(model: type[BaseModel], data: Any, loc: Sequence[int | str]) -> Place:
-    """Follow an error's location; parts of it that are only members of a union are left out."""
+    """Follow an error's location; parts of it that are only members of a union are left out.
+
+    An error in an item of a list that is the name of a set in a library lies in that set.
+    """
     names: list[str] = []
     declared, owner = Declared(model), None
+    table: tuple[list[str], Any] = ([], data)
     for i, step in enumerate(loc):
         inner: Declared | None = declared.item(step)
+        if isinstance(step, int) and (found := _set_named(inner, _item(data, step), table[1])):
+            names, data, declared = [*table[0], *found[0]], found[1], declared.item(step)
+            continue
         if isinstance(step, str):
+            table = list(names), data
             owner_now = declared.model(data) or next(iter(declared.models()), None)
             named = isinstance(data, Mapping) and step in data
             inner = (Declared.of(owner_now, step) if owner_now else None) or (
@@ -77,8 +85,15 @@ def locate(model: type[BaseModel], data: Any, loc: Sequence[int | str]) -> Place
 
 
 def nearest(name: str, valid: Sequence[str]) -> str:
-    """``"; did you mean ...?"`` if a valid name is near, else nothing."""
-    near = get_close_matches(name, valid, n=1, cutoff=0.5)
+    """``"; did you mean ...?"`` if a valid name begins with this one or is near, else nothing.
+
+    Examples
+    --------
+    >>> nearest("nash", ["goektepe-kuhl", "nash-panfilov"])
+    "; did you mean 'nash-panfilov'?"
+    """
+    begun = [one for one in valid if len(name) > 1 and one.lower().startswith(name.lower())]
+    near = begun or get_close_matches(name, valid, n=1, cutoff=0.5)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
@@ -198,6 +213,17 @@ def _tagged(declared: Declared, tag: str) -> type[BaseModel] | None:
         if any(tag in field.literals() for _, field in fields_of(model)):
             return model
     return None
+
+
+def _set_named(
+    declared: Declared | None, name: Any, table: Any
+) -> tuple[tuple[str, str], Mapping[str, Any]] | None:
+    """Place below a table, and values, of the set of a library that an item of a list names."""
+    choice = declared.any_choice() if declared is not None and isinstance(name, str) else None
+    if choice is None or choice.library is None or not isinstance(table, Mapping):
+        return None
+    found = _item(table.get(choice.library), name)
+    return ((choice.library, name), found) if isinstance(found, Mapping) else None
 
 
 def _item(data: Any, step: int | str) -> Any:
