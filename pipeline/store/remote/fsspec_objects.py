@@ -5,14 +5,17 @@ from __future__ import annotations
 import contextlib
 import datetime
 import threading
-from collections.abc import Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pipeline.errors import InputError, StoreError
 from pipeline.store.remote.objects import Entry
-from pipeline.store.remote.trouble import told
+from pipeline.store.remote.trouble import may_pass, told
+
+R = TypeVar("R")
 
 IN_BUCKETS = {"s3", "s3a", "gs", "gcs", "abfs", "abfss", "az", "adl", "oss", "oci", "tos"}
 """Protocols whose paths begin with a bucket, which nobody makes by the way."""
@@ -23,12 +26,18 @@ EXTRAS = {"s3": "myofilm[s3]", "s3a": "myofilm[s3]", "gs": "gcsfs", "gcs": "gcsf
 S3_OPTIONS = {
     "connect_timeout": 3,
     "read_timeout": 60,
-    "retries": {"mode": "standard", "total_max_attempts": 2},
+    "retries": {"mode": "standard", "total_max_attempts": 1},
 }
-"""An endpoint that is not there is to be known within seconds. Settings of the user go first."""
+"""An endpoint that is not there is to be known within seconds; whether to try again is decided here.
 
-HASTY, PATIENT = 2, 10
-"""Attempts at a request to S3: up to 0.3 s in the beginning, up to 30 s once there is work to lose."""
+Settings of the user go first.
+"""
+
+HASTE, PATIENCE = 1.0, 30.0
+"""Seconds for which a request is made again: in the beginning, and once there is work to lose."""
+
+PAUSE = 0.2, 5.0
+"""Seconds between two attempts, first and at most."""
 
 MODIFIED = ("LastModified", "last_modified", "mtime", "updated", "modified", "created")
 """What drivers call the time of the last change."""
@@ -52,7 +61,7 @@ class FsspecObjects:
 
     def __init__(self, location: str) -> None:
         self.location = location.rstrip("/")
-        self._patient = False
+        self._patience = HASTE
         self.protocol = location.partition("://")[0].rpartition("::")[2]
         try:
             import fsspec
@@ -76,6 +85,12 @@ class FsspecObjects:
     @cached_property
     def _place(self) -> tuple[Any, str]:
         """File system and root."""
+        try:
+            return self._open()
+        except Exception as error:
+            raise told(error, self.location) from error
+
+    def _open(self) -> tuple[Any, str]:
         import fsspec
 
         # Listings must show what others have published since.
@@ -85,119 +100,151 @@ class FsspecObjects:
             options["config_kwargs"] = S3_OPTIONS | dict(own)
         fs, root = fsspec.core.url_to_fs(self.location, **options)
         if hasattr(fs, "retries"):
-            fs.retries = PATIENT if self._patient else HASTY
+            fs.retries = 1
         return fs, root.rstrip("/")
 
     def be_patient(self) -> None:
         """From now on, ride out interruptions of some seconds: work would be lost by giving up."""
-        if not self._patient:
-            self._patient = True
-            with self._telling():
-                fs, _ = self._place
-                if hasattr(fs, "retries"):
-                    fs.retries = PATIENT
+        self._patience = PATIENCE
 
     def check_place(self) -> None:
         """Raise ``StoreError`` if there is no such bucket."""
         if self.protocol not in IN_BUCKETS:
             return
-        fs, root = self._fs_and("")
+        fs, root = self._place
         bucket = root.partition("/")[0]
-        with self._telling():
-            try:
-                fs.info(bucket)
-            except FileNotFoundError:
-                raise StoreError(
-                    f"there is no bucket {bucket!r}",
-                    path=self.location,
-                    remedy="make it, or choose another store with --store",
-                ) from None
-            except PermissionError:
-                return  # it may be allowed to use some of its objects nevertheless
+        try:
+            self._ask(lambda: fs.info(bucket))
+        except FileNotFoundError:
+            raise StoreError(
+                f"there is no bucket {bucket!r}",
+                path=self.location,
+                remedy="make it, or choose another store with --store",
+            ) from None
+        except StoreError as error:
+            if not isinstance(error.__cause__, PermissionError):
+                raise  # otherwise some of its objects may be allowed nevertheless
 
     def read(self, path: str) -> bytes | None:
         """Contents of an object."""
-        fs, name = self._fs_and(path)
-        with self._telling():
-            try:
-                return bytes(fs.cat_file(name))
-            except FileNotFoundError:
-                return None
+        try:
+            return bytes(self._ask(lambda: self._fs.cat_file(self._name(path))))
+        except FileNotFoundError:
+            return None
 
     def read_many(self, paths: Iterable[str]) -> dict[str, bytes]:
         """Contents of several objects, over several connections."""
-        names = {self._fs_and(path)[1]: path for path in paths}
-        if not names:
-            return {}
-        found = {}
-        with self._telling():
-            for name, contents in self._place[0].cat(list(names), on_error="return").items():
+        names = {self._name(path): path for path in paths}
+
+        def request() -> dict[str, bytes]:
+            found = {}
+            for name, contents in self._fs.cat(list(names), on_error="return").items():
                 if isinstance(contents, bytes):
                     found[names[name]] = contents
                 elif not isinstance(contents, FileNotFoundError):
                     raise contents
-        return found
+            return found
+
+        return self._ask(request) if names else {}
 
     def write(self, contents: Mapping[str, bytes]) -> None:
         """Write objects, or replace them."""
-        with self._telling():
-            self._place[0].pipe({self._fs_and(path)[1]: one for path, one in contents.items()})
+        named = {self._name(path): one for path, one in contents.items()}
+        self._told_if_missing(lambda: self._fs.pipe(named))
 
     def create(self, path: str, contents: bytes) -> bool:
-        """Write an object unless there is one, as one request that the server decides upon."""
-        fs, name = self._fs_and(path)
-        # Drivers that look first and then write are used inside one process only.
-        with self._telling(), _in_this_process:
-            try:
-                fs.pipe_file(name, contents, mode="create")
-            except FileExistsError:
-                return False
-        return True
+        """Write an object unless there is one, as one request that the server decides upon.
+
+        If the answer to a first attempt was lost, it may be there by that: then ``False``, too.
+        """
+
+        def request() -> bool:
+            # Drivers that look first and then write are used inside one process only.
+            with _in_this_process:
+                self._fs.pipe_file(self._name(path), contents, mode="create")
+            return True
+
+        try:
+            return self._told_if_missing(request)
+        except FileExistsError:
+            return False
 
     def listing(self, folder: str) -> dict[str, Entry]:
         """All objects below a folder, some 1,000 by request."""
-        fs, name = self._fs_and(folder)
-        with self._telling():
-            try:
-                found = fs.find(name, detail=True)
-            except FileNotFoundError:
-                return {}
+        try:
+            found = self._ask(lambda: self._fs.find(self._name(folder), detail=True))
+        except FileNotFoundError:
+            return {}
         root = len(self._place[1]) + 1
         return {path[root:]: self._entry(path, info) for path, info in found.items()}
 
     def upload(self, files: Mapping[str, Path]) -> None:
         """Write objects from files, over several connections."""
         if files:
-            targets = [self._fs_and(path)[1] for path in files]
-            with self._telling():
-                self._place[0].put([str(source) for source in files.values()], targets)
+            sources, targets = [str(path) for path in files.values()], self._names(files)
+            self._told_if_missing(lambda: self._fs.put(sources, targets))
 
     def download(self, files: Mapping[str, Path]) -> None:
         """Write files from objects, over several connections."""
         for target in files.values():
             target.parent.mkdir(parents=True, exist_ok=True)
         if files:
-            names = [self._fs_and(path)[1] for path in files]
-            with self._telling():
-                self._place[0].get(names, [str(target) for target in files.values()])
+            sources, targets = self._names(files), [str(path) for path in files.values()]
+            self._told_if_missing(lambda: self._fs.get(sources, targets))
 
     def remove(self, paths: Iterable[str]) -> None:
         """Remove objects, some 1,000 by request where the server can."""
-        names = [self._fs_and(path)[1] for path in paths]
-        fs = self._place[0]
-        with self._telling():
+        names = self._names(paths)
+
+        def request() -> None:
             try:
-                if names:
-                    fs.rm(names)
+                self._fs.rm(names)
             except FileNotFoundError:
                 for name in names:
                     with contextlib.suppress(FileNotFoundError):
-                        fs.rm_file(name)
+                        self._fs.rm_file(name)
 
-    def _fs_and(self, path: str) -> tuple[Any, str]:
-        with self._telling():
-            fs, root = self._place
-        return fs, f"{root}/{path}" if path else root
+        if names:
+            self._ask(request)
+
+    @property
+    def _fs(self) -> Any:
+        return self._place[0]
+
+    def _name(self, path: str) -> str:
+        return f"{self._place[1]}/{path}"
+
+    def _names(self, paths: Iterable[str]) -> list[str]:
+        return [self._name(path) for path in paths]
+
+    def _ask(self, request: Callable[[], R]) -> R:
+        """Answer to a request, which is made again while the server cannot be reached.
+
+        Raises
+        ------
+        FileNotFoundError, FileExistsError
+            As the driver raises them.
+        StoreError
+            Whatever else it raises, in the user's words.
+        """
+        until, pause = time.monotonic() + self._patience, PAUSE[0]
+        while True:
+            try:
+                return request()
+            except (FileNotFoundError, FileExistsError, StoreError):
+                raise
+            except Exception as error:
+                if not may_pass(error) or time.monotonic() + pause > until:
+                    raise told(error, self.location) from error
+            time.sleep(pause)
+            pause = min(2.0 * pause, PAUSE[1])
+
+    def _told_if_missing(self, request: Callable[[], R]) -> R:
+        """The same, where something that is missing is trouble."""
+        try:
+            return self._ask(request)
+        except FileNotFoundError as error:
+            raise told(error, self.location) from error
 
     def _entry(self, path: str, info: Mapping[str, Any]) -> Entry:
         modified = next((info[name] for name in MODIFIED if info.get(name) is not None), None)
@@ -211,13 +258,3 @@ class FsspecObjects:
             raise StoreError("the place keeps no times of its objects", path=self.location)
         size = int(info.get("size") or 0)
         return Entry(size, float(modified), str(info.get("ETag") or f"{size} {modified}"))
-
-    @contextlib.contextmanager
-    def _telling(self) -> Iterator[None]:
-        """Whatever the driver raises, in the user's words."""
-        try:
-            yield
-        except StoreError:
-            raise
-        except Exception as error:
-            raise told(error, self.location) from error

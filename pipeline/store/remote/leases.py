@@ -64,13 +64,14 @@ class Held:
 
     Attributes
     ----------
-    path
-        Its object.
+    path, before
+        Its object, and that of the generation before.
     settled
         Set when the artefact is published: then nobody needs a lease of this key again.
     """
 
     path: str
+    before: str
     settled: bool = False
 
 
@@ -124,6 +125,7 @@ class Leases:
         finally:
             with contextlib.suppress(StoreError):  # it expires
                 if held.settled:
+                    self._objects.remove([held.before])
                     self._objects.remove([held.path])
                 else:
                     self._write(held.path, stage, free=True)
@@ -137,8 +139,9 @@ class Leases:
         path = _path(key, latest + 1)
         if not self._objects.create(path, self._text(stage)):
             return None
-        self._objects.remove(_path(key, old) for old in generations)
-        return Held(path)
+        # The one before stays: a listing that is under way may miss the new one, not both.
+        self._objects.remove([_path(key, old) for old in generations if old < latest])
+        return Held(path, _path(key, latest))
 
     def owner(self, key: str) -> Holder | None:
         """Who has the lease of a key now, alive or not."""

@@ -5,6 +5,8 @@ They are told apart by name: the libraries that define them need not be installe
 
 from __future__ import annotations
 
+import errno
+
 from pipeline.errors import StoreError
 
 REFUSED = {
@@ -40,6 +42,19 @@ UNREACHABLE = {
 }
 
 
+BUSY = {errno.EBUSY, getattr(errno, "EREMOTEIO", errno.EIO)}
+"""What s3fs makes of a server that is overloaded or has an error of its own."""
+
+
+def may_pass(error: Exception) -> bool:
+    """Whether the same request may succeed a little later."""
+    return _is_unreachable(error) or (isinstance(error, OSError) and error.errno in BUSY)
+
+
+def _is_unreachable(error: Exception) -> bool:
+    return bool({cls.__name__ for cls in type(error).__mro__} & UNREACHABLE)
+
+
 def told(error: Exception, location: str) -> StoreError:
     """The error that names the URL and what to do."""
     names = {cls.__name__ for cls in type(error).__mro__}
@@ -51,7 +66,7 @@ def told(error: Exception, location: str) -> StoreError:
             remedy="set them as for other tools, for S3 by AWS_ACCESS_KEY_ID and "
             "AWS_SECRET_ACCESS_KEY or AWS_PROFILE",
         )
-    if names & UNREACHABLE:
+    if _is_unreachable(error):
         return StoreError(
             f"the object store cannot be reached ({said})",
             path=location,
