@@ -121,7 +121,8 @@ class Refusing(http.server.BaseHTTPRequestHandler):
         self.send_response(403)
         self.send_header("Content-Length", str(len(text)))
         self.end_headers()
-        self.wfile.write(text)
+        if self.command != "HEAD":
+            self.wfile.write(text)
 
     do_HEAD = do_PUT = do_GET  # noqa: N815 - the names that the server looks for
 
