@@ -45,7 +45,7 @@ def remove(store: Path, leftover: Leftover) -> bool:
     """Remove it, unless it changed since or its process works on it; the caller holds its lock."""
     worker = leftover.name.partition(".")[2]
     paths = _paths(store, leftover.name)
-    if _is_at_work(worker, leftover.changed) or _changed(paths) > leftover.changed:
+    if _is_at_work(worker, leftover.changed) or _changed(worker, paths) > leftover.changed:
         return False
     for path in paths:
         if path.is_dir():
@@ -69,7 +69,7 @@ def _leftover(store: Path, name: str) -> Leftover:
     key, _, worker = name.partition(".")
     paths = _paths(store, name)
     aside = worker.startswith(f"{QUARANTINE}.")
-    changed = _changed(paths)
+    changed = _changed(worker, paths)
     objects = store / "objects"
     return Leftover(
         name=name,
@@ -83,8 +83,10 @@ def _leftover(store: Path, name: str) -> Leftover:
     )
 
 
-def _changed(paths: tuple[Path, ...]) -> float:
-    """When something changed last, seconds since 1970."""
+def _changed(worker: str, paths: tuple[Path, ...]) -> float:
+    """When something changed last, seconds since 1970; long ago for what only waits to be deleted."""
+    if worker.startswith(f"{REMOVED}."):
+        return 0.0
     states = [mtime_ns for path in paths for mtime_ns, _ in _states_below(path)]
     return max(states, default=0) / 1e9
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-import platform
+import time
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,7 +97,7 @@ class LocalUpkeep:
             for ref in free:
                 if ref in stay:
                     continue
-                target = self.path / "tmp" / f"{ref.key}.{REMOVED}.{platform.node()}.{os.getpid()}"
+                target = self.path / "tmp" / f"{ref.key}.{REMOVED}.{time.time_ns()}"
                 with contextlib.suppress(FileNotFoundError):
                     os.rename(self.path / "objects" / ref.stage / ref.key, target)
                     gone[ref] = target

@@ -64,8 +64,12 @@ class UpkeepConformance:
 
     def test_what_is_removed_leaves_nothing_and_can_be_published_again(self, store: Store) -> None:
         ref, other = (publish(store, example(gain=gain)).ref for gain in (1.0, 2.0))
+        label = RunLabel("one")
+        store.begin(label)
+        store.find(ref, label)
         assert store.upkeep.remove([ref], tuple) == [ref]
         assert store.find(ref) is None
+        assert store.upkeep.last_uses() == {}
         assert refs_of(store) == {other}
         assert [row.ref for row in store.upkeep.rows()] == [other]
         assert store.upkeep.leftovers() == []

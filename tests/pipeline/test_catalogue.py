@@ -46,6 +46,16 @@ def test_a_lost_or_damaged_cache_changes_nothing(store: LocalStore) -> None:
     assert store.upkeep.rows() == expected
 
 
+def test_a_line_that_was_not_written_whole_spoils_no_other(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (store.path).mkdir()
+    (store.path / INDEX).write_bytes(b'["geometry", "0123')
+    ref = publish(store, example()).ref
+    monkeypatch.setattr("pipeline.manifest.Manifest.from_json", None)
+    assert refs(store) == [ref]
+
+
 def test_what_the_cache_names_and_the_store_has_not_is_not_listed(store: LocalStore) -> None:
     one, other = (publish(store, example(gain=gain)).ref for gain in (1.0, 2.0))
     os.rename(store.data(one).parent, store.path / "elsewhere")

@@ -36,12 +36,23 @@ ASKING = """
 import sys
 from pipeline.keys import Ref
 from pipeline.store import LocalStore, RunLabel
-store, label = LocalStore({store!r}), RunLabel("worker")
+store, label = LocalStore({store!r}), RunLabel.of({name!r}, {folder!r}) if {folder!r} else RunLabel("worker")
 store.begin(label)
 store.find(Ref({stage!r}, {key!r}), label)
 print("asked", flush=True)
 sys.stdin.read()
 """
+
+
+def asking(store: LocalStore, start: Start, ref: Ref, folder: str = "") -> subprocess.Popen[str]:
+    """A process that has begun a run, asked for an artefact, and goes on."""
+    code = ASKING.format(
+        store=str(store.path), stage=ref.stage, key=ref.key, name=None, folder=folder
+    )
+    process = start(code)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "asked\n"
+    return process
 
 
 def free(store: LocalStore) -> set[Ref]:
@@ -53,9 +64,7 @@ def test_a_run_without_name_and_folder_keeps_what_it_uses_while_its_process_live
     store: LocalStore, start: Start
 ) -> None:
     ref = publish(store, example()).ref
-    process = start(ASKING.format(store=str(store.path), stage=ref.stage, key=ref.key))
-    assert process.stdout is not None
-    assert process.stdout.readline() == "asked\n"
+    process = asking(store, start, ref)
     assert free(store) == set()
     assert remove(store, [ref], store.upkeep.rows(), insists) == []
     process.kill()
@@ -107,17 +116,21 @@ def test_a_folder_that_cannot_be_seen_from_here_may_be_there_for_some_time(tmp_p
 
 
 def test_a_run_that_broke_off_keeps_what_it_used_until_one_of_its_name_ends_well(
-    store: LocalStore, tmp_path: Path
+    store: LocalStore, tmp_path: Path, start: Start
 ) -> None:
     old, new = (publish(store, example(gain=gain)).ref for gain in (1.0, 2.0))
-    broken, whole = (RunLabel.of(None, tmp_path) for _ in range(2))
-    store.begin(broken)
-    store.find(old, broken)
-    store.begin(whole)
-    store.find(new, whole)
-    assert free(store) == set()
-    store.finish(broken, keep_earlier=True)
-    store.finish(whole)
+    process = asking(store, start, old, str(tmp_path))
+    again, last = (RunLabel.of(None, tmp_path) for _ in range(2))
+    store.begin(again)
+    store.find(new, again)
+    store.finish(again)
+    assert free(store) == set()  # the other one still goes on
+    process.kill()
+    process.communicate()
+    assert free(store) == set()  # and nobody did its work since
+    store.begin(last)
+    store.find(new, last)
+    store.finish(last)
     assert free(store) == {old}
 
 

@@ -10,6 +10,9 @@ from typing import Any
 import pytest
 
 from pipeline.store import LocalStore
+from pipeline.store.cleaning import Limits
+from pipeline.store.collection import collect, plan
+from pipeline.testing.stores import example, publish
 from pipeline.testing.upkeep import UpkeepConformance
 
 
@@ -35,3 +38,24 @@ class TestLocalUpkeepWithoutFileLocks(UpkeepConformance):
     test_work_that_went_on_since_it_was_listed_is_not_discarded: Any = None
     # The process that could still be at work is known by its number alone, and it is this one.
     test_work_that_was_given_up_is_left_over_until_it_is_discarded: Any = None
+
+
+def test_a_removal_that_was_killed_is_completed_by_the_next_collection(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ref = publish(store, example()).ref
+
+    def killed(folder: Path) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("pipeline.store.local_upkeep.remove_tree", killed)
+        with pytest.raises(KeyboardInterrupt):
+            store.upkeep.remove([ref], tuple)
+    assert store.find(ref) is None
+    planned = plan(store, Limits())
+    assert [leftover.key for leftover, _ in planned.leftovers] == [ref.key]
+    assert publish(store, example()) == store.find(ref)
+    collect(store, planned)
+    assert list((store.path / "tmp").iterdir()) == []
+    assert list(store.refs()) == [ref]
