@@ -14,6 +14,7 @@ import typer.core
 
 from workflows.options import (
     AcceptCode,
+    Cluster,
     Config,
     Name,
     Out,
@@ -21,6 +22,7 @@ from workflows.options import (
     RunName,
     Settings,
     StorePath,
+    Workers,
     path_given,
 )
 from workflows.store_cli import store_app
@@ -116,6 +118,8 @@ def run(
     store: StorePath = None,
     name: RunName = None,
     recompute_damaged: RecomputeDamaged = False,
+    workers: Workers = None,
+    cluster: Cluster = None,
     accept_code: AcceptCode = False,
 ) -> None:
     """Run an experiment: report, pictures, data."""
@@ -128,7 +132,7 @@ def run(
         settings or [],
         out,
         store,
-        Way(name, recompute_damaged, accept_code, **ctx.obj),
+        Way(name, recompute_damaged, accept_code, workers, cluster, **ctx.obj),
     )
 
 
@@ -144,6 +148,8 @@ def _stage_command(stage: str) -> None:
         store: StorePath = None,
         name: RunName = None,
         recompute_damaged: RecomputeDamaged = False,
+        workers: Workers = None,
+        cluster: Cluster = None,
         accept_code: AcceptCode = False,
     ) -> None:
         from workflows.commands import run_stage
@@ -156,7 +162,7 @@ def _stage_command(stage: str) -> None:
             settings or [],
             out,
             store,
-            Way(name, recompute_damaged, accept_code, **ctx.obj),
+            Way(name, recompute_damaged, accept_code, workers, cluster, **ctx.obj),
         )
 
     app.command(stage, help=f"Compute {stage} and what it needs.")(command)
@@ -216,6 +222,8 @@ def verification(
     store: StorePath = None,
     name: RunName = None,
     recompute_damaged: RecomputeDamaged = False,
+    workers: Workers = None,
+    cluster: Cluster = None,
 ) -> None:
     """Compare the solvers with closed forms and published values, study by study."""
     from workflows.verification.commands import list_studies, run_studies
@@ -223,7 +231,12 @@ def verification(
 
     if studies:
         run_studies(
-            studies, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj)
+            studies,
+            config,
+            settings or [],
+            out,
+            store,
+            Way(name, recompute_damaged, False, workers, cluster, **ctx.obj),
         )
     else:
         list_studies()
@@ -249,6 +262,8 @@ def reproduce(
     store: StorePath = None,
     name: RunName = None,
     recompute_damaged: RecomputeDamaged = False,
+    workers: Workers = None,
+    cluster: Cluster = None,
 ) -> None:
     """Draw a figure of the paper."""
     from workflows.reproduce import draw, list_figures
@@ -257,7 +272,14 @@ def reproduce(
     if figure is None:
         list_figures()
     else:
-        draw(figure, config, settings or [], out, store, Way(name, recompute_damaged, **ctx.obj))
+        draw(
+            figure,
+            config,
+            settings or [],
+            out,
+            store,
+            Way(name, recompute_damaged, False, workers, cluster, **ctx.obj),
+        )
 
 
 def _silence_closed_streams() -> None:

@@ -55,10 +55,14 @@ def carry_out(
     folder = output_folder(out)
     label = label_of(way.name, folder, request.workflow.name, [request])
     with registered(kept, label):
-        with watching(quiet=way.quiet, verbose=way.verbose) as listen:
+        with (
+            way.executor(kept, label) as executor,
+            watching(quiet=way.quiet, verbose=way.verbose) as listen,
+        ):
             outcomes = run(
                 nodes,
                 kept,
+                executor=executor,
                 listen=listen,
                 label=label,
                 recompute_damaged=way.recompute_damaged,
@@ -104,10 +108,14 @@ def run_stage(
         )
     label = label_of(way.name, folder, request.workflow.name, [request])
     with registered(kept, label):
-        with watching(quiet=way.quiet, verbose=way.verbose) as listen:
+        with (
+            way.executor(kept, label) as executor,
+            watching(quiet=way.quiet, verbose=way.verbose) as listen,
+        ):
             outcomes = run(
                 nodes,
                 kept,
+                executor=executor,
                 listen=listen,
                 label=label,
                 recompute_damaged=way.recompute_damaged,

@@ -80,3 +80,21 @@ AcceptCode = Annotated[
         "after an edit that changes no result.",
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        min=1,
+        help="Compute in N processes on this machine.  [default: in this process alone]",
+    ),
+]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        metavar="ADDRESS",
+        help="Compute on the workers of a running dask scheduler, such as tcp://10.0.0.1:8786; the store "
+        "must be one that they all reach.",
+    ),
+]

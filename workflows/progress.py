@@ -71,12 +71,12 @@ class PlainLines:
     ) -> None:
         self._say = say
         self._clock = clock
-        self._last: tuple[float, float] | None = None
+        self._last: dict[str, tuple[float, float]] = {}
 
     def __call__(self, event: Event) -> None:
         """Tell one event."""
         if isinstance(event, StageStarted):
-            self._last = None
+            self._last.pop(event.node, None)
         if isinstance(event, StageProgress):
             self._progress(event)
         elif line := told(event):
@@ -85,13 +85,13 @@ class PlainLines:
     def _progress(self, event: StageProgress) -> None:
         """The first event only starts the clock: compiling may come before it."""
         now, share = self._clock(), event.done / event.total
-        begun, begun_share = self._last = self._last or (now, share)
+        begun, begun_share = self._last.setdefault(event.node, (now, share))
         if now - begun < SECONDS_BETWEEN_LINES or share - begun_share < SHARE_BETWEEN_LINES:
             return
         if event.done == event.total:
             return
         left = (1 - share) * (now - begun) / (share - begun_share)
-        self._last = (now, share)
+        self._last[event.node] = (now, share)
         self._say(f"{event.node}: {share:.0%}, about {duration(left)} left")
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import pickle
 from collections.abc import Callable
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from typing import TypeAlias
 
 from distributed import Client
 from distributed import Future as PlainFuture
 from distributed.client import FutureCancelledError
+from distributed.core import rpc
 
 from pipeline.errors import InputError
 from pipeline.executors.agreement import Agreement, Findings
@@ -22,6 +24,27 @@ Warn: TypeAlias = Callable[[str], None]
 
 BROKEN = (OSError, RuntimeError, TimeoutError, CancelledError, FutureCancelledError)
 """What calls to a scheduler raise that is not there (any longer)."""
+
+
+def connected(address: str, timeout: float) -> Client:
+    """A client of the scheduler at an address.
+
+    Raises
+    ------
+    OSError
+        If nothing answers within ``timeout`` seconds.
+    ValueError
+        If the address is none.
+    """
+
+    async def ask() -> None:
+        async with rpc(address) as scheduler:
+            await asyncio.wait_for(scheduler.identity(), timeout)
+
+    # A client that fails to connect would linger on for seconds. In a notebook this thread has a loop.
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(lambda: asyncio.run(ask())).result()
+    return Client(address, timeout=timeout, set_as_default=False)
 
 
 class Connection:
@@ -118,8 +141,8 @@ class Connection:
                 continue  # it went away; another one is examined when a job gets there
             if not isinstance(findings, Findings):
                 raise InputError(
-                    f"the worker {address} cannot run this program ({type(findings).__name__}: "
-                    f"{findings}); install the same version there"
+                    f"the worker {address} cannot run this program ({findings}); install the same "
+                    "version there"
                 )
             if findings.refusals:
                 raise InputError(unfit(address, findings.refusals))

@@ -5,16 +5,13 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from pipeline.errors import InputError
+from pipeline.errors import InputError, MyofilmError
 from pipeline.executors.protocol import Executor
 from pipeline.executors.serial import SerialExecutor
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 CONNECT = 5.0
 """Seconds in which a scheduler must answer."""
@@ -86,22 +83,20 @@ def _on_cluster(
     address: str, store: Store, label: RunLabel, warn: Callable[[str], None]
 ) -> Executor:
     from pipeline.executors.agreement import Agreement
+    from pipeline.executors.connection import connected
     from pipeline.executors.dask import DaskExecutor
 
     _silence()
     agreement = Agreement.here(store, label)
 
-    def connect() -> Client:
-        from distributed import Client
-
-        return Client(address, timeout=CONNECT, set_as_default=False)
-
     try:
-        return DaskExecutor(connect, agreement, warn=warn)
-    except (OSError, ValueError, RuntimeError) as error:
+        return DaskExecutor(lambda: connected(address, CONNECT), agreement, warn=warn)
+    except MyofilmError:
+        raise
+    except Exception as error:  # whatever listens there may answer anything
         raise InputError(
-            f"no dask scheduler answers at {address!r} within {CONNECT:g} s ({_cause(error)}); give "
-            "the address that `dask scheduler` tells, such as tcp://10.0.0.1:8786"
+            f"no dask scheduler answers at {address!r} ({_cause(error)}); give the address that "
+            "`dask scheduler` tells, such as tcp://10.0.0.1:8786"
         ) from error
 
 
@@ -137,4 +132,7 @@ def _silence() -> None:
 
 
 def _cause(error: Exception) -> str:
-    return str(error).partition("\n")[0] or type(error).__name__
+    told = str(error).partition("\n")[0]
+    return told or (
+        f"nothing comes in {CONNECT:g} s" if isinstance(error, TimeoutError) else repr(error)
+    )

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from distributed import Client
+
 ROOT = Path(__file__).parents[2]
 
 PATIENCE = 60.0
@@ -54,6 +56,11 @@ class Cluster:
         worker = self._start("worker", *arguments, kind, **environment)
         self.workers.append(worker)
         return worker
+
+    def wait_for(self, workers: int) -> None:
+        """Wait until so many workers are there."""
+        with Client(self.address, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=PATIENCE)
 
     def stop(self) -> None:
         """Kill everything."""

@@ -9,12 +9,14 @@ import typer
 
 from workflows.options import (
     AcceptCode,
+    Cluster,
     Config,
     Name,
     RecomputeDamaged,
     RunName,
     Settings,
     StorePath,
+    Workers,
     path_given,
 )
 
@@ -85,6 +87,8 @@ def sweep(
     store: StorePath = None,
     recompute_damaged: RecomputeDamaged = False,
     accept_code: AcceptCode = False,
+    workers: Workers = None,
+    cluster: Cluster = None,
 ) -> None:
     """Run an experiment for many values of its parameters."""
     from workflows.sweep.asked import Asked
@@ -102,7 +106,7 @@ def sweep(
             asked,
             out or Path("results/sweep") / workflow,
             store,
-            Way(name, recompute_damaged, accept_code, **ctx.obj),
+            Way(name, recompute_damaged, accept_code, workers, cluster, **ctx.obj),
             retry_failed=retry_failed,
             each=each,
         )

@@ -55,8 +55,12 @@ def run_sweep(
     folder = output_folder(out)
     label = RunLabel.of(way.name, folder, workflow, study.id)
     options = {"retry_failed": retry_failed, "each": each}
-    with registered(kept, label), Sweep(study, kept, folder, label, way, **options) as sweep:
-        results = sweep.run(forecast)
+    with (
+        registered(kept, label),
+        way.executor(kept, label) as executor,
+        Sweep(study, kept, folder, label, way, **options) as sweep,
+    ):
+        results = sweep.run(forecast, executor)
     if not way.quiet:
         tell_results(results, folder)
     if results.errors:
