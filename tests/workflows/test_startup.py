@@ -92,6 +92,12 @@ def test_explaining_needs_no_heavy_library(workflow: str, tmp_path: Path) -> Non
     assert not imported("explain", workflow, "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
+def test_planning_a_sweep_needs_no_heavy_library(tmp_path: Path) -> None:
+    over = ("--over", "mechanics.damping=0.2,0.4", "--over", "geometry.fibre_angle=0:90:15")
+    command = ("sweep", "planar-waves", *over, "--store", tmp_path, "--dry-run")
+    assert not imported(*command) & (LIGHT | NUMERICS)
+
+
 def test_a_run_that_computes_nothing_needs_no_heavy_library(desk: Desk) -> None:
     desk.run("out")
     where = ("--config", desk.config, "--store", desk.store, "--out", desk.folder / "out")

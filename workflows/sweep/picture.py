@@ -79,7 +79,8 @@ def _lines(
                 level = index[rest.index(coloured)] if coloured is not None else 0
                 line = {"color": colours.of(level), "linewidth": 1.5, "markersize": 3.5}
                 axes.plot(x, curves[index], marker="o" if len(x) <= 25 else "", **line)
-            _finish(axes, column, parameters[along], x, labels)
+            axes.set_title(column.heading, fontsize=9, color=INK)
+            _finish(axes, parameters[along], x, labels)
         _label_rows(figure, parameters[along])
         if coloured is not None:
             colours.explain(figure, parameters[coloured])
@@ -102,8 +103,9 @@ def _dots(parameters: Sequence[Column], shown: Sequence[Column], folder: Path) -
             for axes, field in zip(row, fields, strict=True):
                 x, labels = _positions(field)
                 axes.plot(x, column.numbers, "o", markersize=3.5, color=PROBE_COLOURS[0])
-                _finish(axes, column, field, x, labels)
-                axes.set_xlabel(_short(field))
+                _finish(axes, field, x, labels)
+                axes.set_xlabel(_short(field), fontsize=9)
+            row[0].set_ylabel(column.heading, fontsize=9)
         if not shown:
             _nothing(panels.flat)
         _save(figure, folder)
@@ -187,8 +189,7 @@ def _nothing(panels: Any) -> None:
         axes.text(0.5, 0.5, "no case is done", ha="center", va="center", color=INK)
 
 
-def _finish(axes: Axes, column: Column, along: Column, x: Array, labels: list[str] | None) -> None:
-    axes.set_title(column.heading, fontsize=9, color=INK)
+def _finish(axes: Axes, along: Column, x: Array, labels: list[str] | None) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
     axes.margins(x=0.04)
     if labels is not None:

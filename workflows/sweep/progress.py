@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 import sys
+import textwrap
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -33,6 +34,7 @@ class Noteworthy:
     def __init__(self, *, verbose: bool) -> None:
         self._verbose = verbose
         self._warned: Counter[tuple[str, str]] = Counter()
+        self._first: dict[tuple[str, str], str] = {}
 
     def __call__(self, event: Event) -> str:
         """Line about an event, empty for those that say nothing about a sweep as a whole."""
@@ -40,6 +42,7 @@ class Noteworthy:
         if isinstance(inner, StageWarned):
             kind = (inner.node, NUMBER.sub("#", inner.message))
             self._warned[kind] += 1
+            self._first.setdefault(kind, inner.message)
             if self._warned[kind] > 1 and not self._verbose:
                 return ""
         elif not self._verbose and not isinstance(inner, StageStopping):
@@ -52,8 +55,9 @@ class Noteworthy:
         if self._verbose:
             return []
         return [
-            f"{node}: {count - 1} more of these warnings: {message}"
-            for (node, message), count in self._warned.items()
+            f"{kind[0]}: {count - 1} more such warnings: "
+            + textwrap.shorten(self._first[kind], 76, placeholder=" ...")
+            for kind, count in self._warned.items()
             if count > 1
         ]
 

@@ -165,9 +165,9 @@ def test_fields_that_change_together_need_as_many_values() -> None:
 
 
 def test_a_field_is_given_once() -> None:
-    with pytest.raises(InputError, match="mechanics.damping is given twice"):
+    with pytest.raises(InputError, match=r"mechanics.damping is given twice"):
         design("mechanics.damping=1", "mechanics.damping=2")
-    with pytest.raises(InputError, match=r"set by --set and swept over, too"):
+    with pytest.raises(InputError, match="set by --set and swept over, too"):
         read_design(Asked(("mechanics.damping=1",)), variants(), ["mechanics. damping =2"])
     with pytest.raises(InputError, match="nothing to sweep over"):
         design()
