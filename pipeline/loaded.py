@@ -2,17 +2,26 @@
 
 Python runs what it has read, whatever is saved afterwards. So a digest of the contents is noted when a
 module is about to be loaded. Installed libraries are left out: their versions are recorded instead.
+
+Python also takes compiled code for that of a source file whose size and modification time, in whole
+seconds, are what they were when it was compiled. An edit within a second, or a copy that keeps its time,
+would go unseen: compiled code that is not clearly younger than the last change of its source is removed.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 from collections.abc import Iterable, Iterator
 from importlib.machinery import PathFinder
+from importlib.util import cache_from_source
 from typing import Any
 
 from pipeline.contents import content_id
+
+DOUBTFUL_NS = 2_000_000_000
+"""Time stamps of files may be so coarse; compiling a module takes less."""
 
 _LOADED: dict[str, str] = {}
 """Content id by the name of the module."""
@@ -61,6 +70,19 @@ def _note(name: str, files: Iterable[str], *, everywhere: bool = False) -> None:
         try:
             with open(file, "rb") as source:
                 _LOADED[name] = content_id(source.read(), name, file)
+            _remove_doubtful_bytecode(file)
         except OSError:
             continue
         return
+
+
+def _remove_doubtful_bytecode(file: str) -> None:
+    """Remove the compiled code of a source file that may have changed since; Python makes it anew.
+
+    The time of a change of status is looked at: nobody can set it, and renaming a file over another or
+    dating it back renews it.
+    """
+    with contextlib.suppress(OSError, NotImplementedError):
+        compiled = cache_from_source(file)
+        if os.stat(compiled).st_ctime_ns - os.stat(file).st_ctime_ns < DOUBTFUL_NS:
+            os.unlink(compiled)

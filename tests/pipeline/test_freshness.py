@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -174,3 +175,35 @@ def long(config: Config, *, run: StageRun) -> Number:
     )
     assert REFUSED in told
     assert not list((scaling.parent / "store" / "checkpoints").iterdir())
+
+
+@pytest.mark.parametrize("how", ["written", "copied"])
+def test_compiled_code_of_another_state_of_a_file_is_not_run(
+    how: str, scaling: Path, output: Output
+) -> None:
+    # Python looks at size and time of the source, in seconds: here both are those of the edited file.
+    file, compiling = scaling / "factor.py", {"PYTHONDONTWRITEBYTECODE": ""}
+    then = file.stat()
+    assert output(f"{RUN}\nattempt(3.0)", **compiling) == "3.0 False\n"
+    assert list((scaling / "__pycache__").glob("factor.*.pyc"))
+    target = file if how == "written" else file.with_name("other.py")
+    target.write_text(FACTOR.format(7.0))
+    os.utime(target, ns=(then.st_atime_ns, then.st_mtime_ns))
+    target.replace(file)
+    assert output(f"{RUN}\nattempt(3.0)", **compiling) == "21.0 False\n"
+
+
+def test_compiled_code_that_is_clearly_younger_than_its_source_is_kept(
+    scaling: Path, output: Output
+) -> None:
+    code = "from scaling import factor"
+    compiling = {"PYTHONDONTWRITEBYTECODE": ""}
+    output(f"import pipeline\n{code}", **compiling)
+    (compiled,) = (scaling / "__pycache__").glob("factor.*.pyc")
+    first = compiled.stat()
+    output(
+        f"import pipeline, pipeline.loaded as loaded\nloaded.DOUBTFUL_NS = 0\n{code}", **compiling
+    )
+    assert compiled.stat().st_mtime_ns == first.st_mtime_ns
+    output(f"import pipeline\n{code}", **compiling)  # it was compiled within two seconds
+    assert compiled.stat().st_mtime_ns > first.st_mtime_ns
