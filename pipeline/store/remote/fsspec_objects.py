@@ -176,7 +176,9 @@ class FsspecObjects:
         except FileNotFoundError:
             return {}
         root = len(self._place[1]) + 1
-        return {path[root:]: self._entry(path, info) for path, info in found.items()}
+        # A driver that finds nothing may look whether the folder is an object, or has become one.
+        files = {path: info for path, info in found.items() if info.get("type") == "file"}
+        return {path[root:]: self._entry(info) for path, info in files.items()}
 
     def upload(self, files: Mapping[str, Path]) -> None:
         """Write objects from files, over several connections."""
@@ -246,7 +248,7 @@ class FsspecObjects:
         except FileNotFoundError as error:
             raise told(error, self.location) from error
 
-    def _entry(self, path: str, info: Mapping[str, Any]) -> Entry:
+    def _entry(self, info: Mapping[str, Any]) -> Entry:
         modified = next((info[name] for name in MODIFIED if info.get(name) is not None), None)
         if isinstance(modified, str):
             modified = datetime.datetime.fromisoformat(modified)
