@@ -12,6 +12,7 @@ as long as it lives: the kernel frees that even if it is killed.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import errno
 import fcntl
@@ -67,7 +68,9 @@ class Registers:
             if identity in _held:
                 return False
             _held[identity] = self._publish(label)
-            return True
+        if not label.named and label.folder is None:
+            atexit.register(self._leave, label)
+        return True
 
     def add(self, label: RunLabel, ref: Ref) -> None:
         """Register an artefact, whether or not it is there already."""
@@ -129,6 +132,11 @@ class Registers:
                 os.unlink(entry.path)
         with contextlib.suppress(OSError):
             folder.rmdir()  # fails if there are other runs of the same name
+
+    def _leave(self, label: RunLabel) -> None:
+        """Forget a run that keeps nothing any longer; a collection does it where this fails."""
+        with contextlib.suppress(OSError):
+            self.forget(label)
 
     def _file(self, label: RunLabel, suffix: str) -> Path:
         return self.path / label.slug / f"{label.generation}{suffix}"

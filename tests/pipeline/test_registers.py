@@ -155,6 +155,18 @@ def test_a_run_without_a_label_is_one_of_this_process(store: LocalStore) -> None
     assert free(store) == set()
 
 
+def test_a_process_that_ends_leaves_no_run_without_name_and_folder(
+    store: LocalStore, output: Callable[..., str]
+) -> None:
+    output(
+        "from pipeline.runner import run\nfrom pipeline.store import LocalStore\n"
+        "from tests.pipeline import toy\n"
+        f"run({{'mesh': toy.mesh(toy.MeshConfig())}}, LocalStore({str(store.path)!r}))"
+    )
+    assert len(list(store.refs())) == 1
+    assert list((store.path / "runs").iterdir()) == []
+
+
 def test_what_something_tagged_was_computed_from_stays(store: LocalStore) -> None:
     label = RunLabel("one")
     surface = toy.mesh(toy.MeshConfig()).part("surface")

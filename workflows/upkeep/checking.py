@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from pipeline.errors import StoreError
 from pipeline.store import Store
-from workflows.progress import size
+from workflows.progress import on_terminal, size
 from workflows.request import open_store
 from workflows.upkeep.amounts import ago
 from workflows.upkeep.names import SHORT, artefact
@@ -35,7 +35,9 @@ def verify_artefacts(keys: Sequence[str], location: str | None, *, quick: bool =
     store = open_store(location)
     refs = [artefact(store, key) for key in keys] if keys else list(store.refs())
     damaged = 0
-    for ref in refs:
+    for number, ref in enumerate(refs):
+        if on_terminal():
+            print(f"{number} of {len(refs)} checked", end="\r", flush=True)
         problems = store.verify(ref, full=not quick)
         if problems and (ref in set(store.refs(ref.stage))):
             damaged += 1
