@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import zipfile
 import zlib
 from collections.abc import Collection, Mapping
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.durable import storing, write_atomically
+from pipeline.durable import files_below, storing, write_atomically
 from pipeline.manifest import sha256
 from pipeline.provenance import processor, versions
 from pipeline.streams import SavedStream
@@ -132,9 +131,8 @@ class ChunkFiles:
         """SHA-256 of each file, by its path in the folder."""
         return {
             path.relative_to(self._data).as_posix(): self._digest(path)
-            for parent, _, names in os.walk(self._data)
-            for name in names
-            if name != "zarr.json" and (path := Path(parent, name))
+            for path in files_below(self._data)
+            if path.name != "zarr.json"
         }
 
     def _digest(self, path: Path) -> str:
@@ -148,11 +146,9 @@ class ChunkFiles:
 
 def keep_only(data: Path, files: Collection[str]) -> None:
     """Remove every file of a folder that does not belong to a checkpoint."""
-    for parent, _, names in os.walk(data):
-        for name in names:
-            path = Path(parent, name)
-            if path.relative_to(data).as_posix() not in files:
-                path.unlink()
+    for path in list(files_below(data)):
+        if path.relative_to(data).as_posix() not in files:
+            path.unlink()
 
 
 def _below(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

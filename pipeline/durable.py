@@ -40,10 +40,27 @@ def sync(path: Path) -> None:
 
 def sync_tree(folder: Path) -> None:
     """Force all files and folders below (and including) a folder to the disk."""
-    for parent, _, files in os.walk(folder, topdown=False):
+    for parent, _, files in os.walk(folder, topdown=False, onerror=_refuse):
         for name in files:
             sync(Path(parent, name))
         sync(Path(parent))
+
+
+def files_below(folder: Path) -> Iterator[Path]:
+    """All files below a folder; none if it is not there.
+
+    Raises
+    ------
+    OSError
+        If a folder cannot be read: what is in it must not be taken for absent.
+    """
+    if folder.is_dir():
+        for parent, _, names in os.walk(folder, onerror=_refuse):
+            yield from (Path(parent, name) for name in names)
+
+
+def _refuse(error: OSError) -> None:
+    raise error
 
 
 def remove_tree(folder: Path) -> None:

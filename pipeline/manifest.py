@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pipeline.canonical import Canonical, digest
+from pipeline.durable import files_below
 from pipeline.keys import SCHEMA, Ref, key_of
 from pipeline.seals import BLANK, is_sealed, sealed
 
@@ -130,11 +130,7 @@ class Manifest:
 
 def hash_files(folder: Path) -> tuple[FileEntry, ...]:
     """Table of all files below a folder, sorted by path."""
-    found = sorted(
-        Path(parent, name).relative_to(folder).as_posix()
-        for parent, _, names in os.walk(folder)
-        for name in names
-    )
+    found = sorted(path.relative_to(folder).as_posix() for path in files_below(folder))
     return tuple(
         FileEntry(path, (folder / path).stat().st_size, sha256(folder / path)) for path in found
     )

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.durable import storing
+from pipeline.durable import files_below, storing
 from pipeline.errors import MyofilmError, StoreError
 from pipeline.keys import Ref
-from pipeline.manifest import FileEntry, Manifest, content_ids, hash_files, whole_content
+from pipeline.manifest import FileEntry, Manifest, content_ids, sha256, whole_content
 
 if TYPE_CHECKING:
     from pipeline.store.protocol import Store
@@ -69,24 +70,61 @@ def wrong_checksum(path: str) -> str:
 
 
 def size_problem(data: Path, file: FileEntry) -> str | None:
-    """The problem of a file whose size is not the published one, ``None`` if it is."""
+    """The problem of a file whose size is not the published one, ``None`` if it is.
+
+    Raises
+    ------
+    OSError
+        If that cannot be found out: a file that may not be read is not damaged.
+    """
     try:
         size = os.stat(os.path.join(data, file.path)).st_size
-    except OSError:
+    except (FileNotFoundError, NotADirectoryError):
         return f"{file.path} is missing"
     return None if size == file.size else f"{file.path} has {size} bytes instead of {file.size}"
 
 
+def folder_problems(
+    ref: Ref, folder: Path, read: Callable[[Path], Manifest], *, full: bool
+) -> Iterator[str]:
+    """Problems of an artefact in a folder, whose manifest a function reads.
+
+    Raises
+    ------
+    OSError
+        As for :func:`size_problem`.
+    """
+    try:
+        manifest = read(folder / "manifest.json")
+    except (FileNotFoundError, NotADirectoryError):
+        yield "manifest.json is missing"
+        return
+    except ValueError as error:
+        yield f"unreadable manifest ({error})"
+        return
+    found = [p for file in manifest.files if (p := size_problem(folder / "data", file))]
+    if manifest.ref != ref:
+        found.append(f"its manifest belongs to {manifest.ref}")
+    yield from found
+    if full and not found:
+        beside = {path.name for path in folder.iterdir()} - {"data", "manifest.json"}
+        yield from (f"{name} does not belong to it" for name in sorted(beside))
+        yield from full_problems(folder / "data", manifest)
+
+
 def full_problems(data: Path, manifest: Manifest) -> Iterator[str]:
     """Problems of an artefact whose sizes are right: its files, checksums, contents and key."""
-    found = {entry.path: entry for entry in hash_files(data)}
-    kept = {entry.path: entry for entry in manifest.files}
-    beside = {path.name for path in data.parent.iterdir()} - {data.name, "manifest.json"}
-    foreign = sorted(found.keys() - kept.keys()) + sorted(beside)
-    yield from (f"{path} does not belong to it" for path in foreign)
+    found = {path.relative_to(data).as_posix() for path in files_below(data)}
+    kept = {entry.path: entry.sha256 for entry in manifest.files}
+    yield from (f"{path} does not belong to it" for path in sorted(found - kept.keys()))
     for path in sorted(kept):
-        if found[path].sha256 != kept[path].sha256:
-            yield wrong_checksum(path)
+        try:
+            if sha256(data / path) != kept[path]:
+                yield wrong_checksum(path)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            yield f"{path} cannot be read ({error.strerror})"  # the disk has lost it
     if manifest.stated_key() != manifest.key:
         yield "its key is not that of its statement"
     parts = content_ids(manifest.files)

@@ -39,7 +39,7 @@ from pipeline.store.local_upkeep import LocalUpkeep
 from pipeline.store.quarantine import move_aside
 from pipeline.store.registers import Registers
 from pipeline.store.workspace import LocalWorkspace
-from pipeline.verification import DamagedError, full_problems, size_problem
+from pipeline.verification import DamagedError, folder_problems
 
 READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
 """Why a store may not be written to; its results can still be used."""
@@ -195,16 +195,9 @@ class LocalStore:
 
     def verify(self, ref: Ref, *, full: bool = False) -> tuple[str, ...]:
         """Problems of an artefact in words; ``full`` recomputes every checksum and the key."""
-        try:
-            manifest = self.manifest(ref)
-        except StoreError as error:
-            return (error.cause,)
-        problems = [p for p in (size_problem(self.data(ref), f) for f in manifest.files) if p]
-        if manifest.ref != ref:
-            problems.append(f"its manifest belongs to {manifest.ref}")
-        if full and not problems:
-            problems.extend(full_problems(self.data(ref), manifest))
-        return tuple(problems)
+        folder = self._folder(ref)
+        with storing(folder):
+            return tuple(folder_problems(ref, folder, _read_manifest, full=full))
 
     @contextlib.contextmanager
     def writing(self, ref: Ref, on_wait: Callable[[Holder], None]) -> Iterator[LocalWorkspace]:

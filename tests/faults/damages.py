@@ -80,7 +80,6 @@ Damage = tuple[str, str, Callable[[Path], Any], str]
 """Stage, file below the artefact's folder, what happens to it, and what full verification says."""
 
 WRONG, SIZE, GONE = "the checksum of {} is wrong", "{} has ", "{} is missing"
-LOST = "the store cannot be used (No such file"
 
 DAMAGES: dict[str, Damage] = {
     "bit of a chunk": ("wave", f"data/{CHUNK}", flipped, WRONG),
@@ -101,7 +100,7 @@ DAMAGES: dict[str, Damage] = {
     "foreign file": ("mesh", "data/notes", foreign, "notes does not belong to it"),
     "foreign file beside the data": ("mesh", "notes", foreign, "notes does not belong to it"),
     "lost data": ("mesh", "data", removed, f"{TABLE} is missing"),
-    "lost manifest": ("mesh", "manifest.json", removed, LOST),
+    "lost manifest": ("mesh", "manifest.json", removed, GONE),
     "empty manifest": ("mesh", "manifest.json", emptied, "unreadable manifest"),
     "end of a manifest": ("mesh", "manifest.json", shortened, "unreadable manifest"),
     "bit of a manifest": ("mesh", "manifest.json", flipped, ""),

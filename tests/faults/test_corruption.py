@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 import shutil
 from pathlib import Path
@@ -10,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pipeline.checkpoints import ChunkFiles
+from pipeline.durable import sync_tree
 from pipeline.errors import StoreError
 from pipeline.events import Event, StageStarted, StageWarned
 from pipeline.manifest import hash_files
@@ -164,3 +168,65 @@ def test_an_artefact_that_cannot_be_set_aside_is_told_with_the_reason(
     monkeypatch.setattr("os.rename", refuse)
     with pytest.raises(StoreError, match=re.escape(f"no permission to use the store: {folder}")):
         run(plan(), copy, recompute_damaged=True)
+
+
+@pytest.mark.parametrize("code", [errno.EACCES, errno.ESTALE, errno.EMFILE])
+@pytest.mark.parametrize("what", ["a manifest", "a folder", "a file"])
+def test_what_cannot_be_looked_at_is_not_called_damaged(
+    what: str, code: int, copy: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Otherwise a moment without file descriptors would cost sound results.
+    real = os.scandir
+
+    def refuse(path: Any = ".") -> Any:
+        if str(copy.path) in str(path):
+            raise OSError(code, os.strerror(code))
+        return real(path)
+
+    places = {
+        "a manifest": "pipeline.store.local._read_manifest",
+        "a folder": "os.scandir",
+        "a file": "pipeline.verification.sha256",
+    }
+    (ref,) = copy.refs("wave")
+    monkeypatch.setattr(places[what], refuse)
+    for act in (
+        lambda: copy.verify(ref, full=True),
+        lambda: copy.quarantine(ref),
+        lambda: run(plan(), copy, recompute_damaged=True),
+    ):
+        with pytest.raises(StoreError) as caught:
+            act()
+        assert not isinstance(caught.value, DamagedError)
+    assert not (copy.path / "quarantine").exists()
+
+
+def test_a_file_that_the_disk_has_lost_is_damaged(
+    copy: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lost(path: Path) -> str:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr("pipeline.verification.sha256", lost)
+    (ref,) = copy.refs("peak")
+    (told,) = copy.verify(ref, full=True)
+    assert told == "record.h5 cannot be read (Input/output error)"
+
+
+def test_a_folder_that_cannot_be_read_is_never_taken_for_an_empty_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A manifest made so would lack files, and a checkpoint would, too.
+    (tmp_path / "record.zarr").mkdir()
+    (tmp_path / "record.zarr" / "zarr.json").write_text("{}")
+    real = os.scandir
+
+    def refuse(path: Any) -> Any:
+        if os.fspath(path).endswith(".zarr"):
+            raise OSError(errno.EMFILE, "Too many open files", os.fspath(path))
+        return real(path)
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    for act in (hash_files, sync_tree, lambda path: ChunkFiles(path).digests()):
+        with pytest.raises(OSError, match="Too many open files"):
+            act(tmp_path)

@@ -15,7 +15,7 @@ from pipeline.keys import Ref
 from pipeline.store.remote.markers import Marker, data_folder, marker_path, ref_of
 from pipeline.store.remote.objects import Entry, Objects
 from pipeline.store.remote.read_cache import ReadCache
-from pipeline.verification import full_problems
+from pipeline.verification import DamagedError, full_problems
 
 KNOWN_AT_MOST = 20_000
 """Markers that a process remembers."""
@@ -128,8 +128,8 @@ class Reader:
         """The same; ``full`` downloads the data, whatever copies there are, and compares checksums."""
         try:
             marker = self.marker(ref)
-        except StoreError as error:
-            return (error.cause,)
+        except DamagedError as error:  # any other one is trouble on the way there, not damage
+            return error.problems
         if marker is None:
             return ("there is no such artefact",)
         problems = self.problems(ref, marker)
@@ -160,9 +160,7 @@ class Reader:
         try:
             marker = Marker.from_bytes(contents)
         except ValueError as error:
-            raise StoreError(
-                f"unreadable manifest of {ref} ({error})", path=self.where(ref)
-            ) from error
+            raise DamagedError(ref, self.where(ref), [f"unreadable manifest ({error})"]) from error
         with self._lock:
             self._known[ref] = marker
             while len(self._known) > KNOWN_AT_MOST:
