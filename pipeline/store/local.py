@@ -34,6 +34,7 @@ from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
+from pipeline.store.description import check_description
 from pipeline.store.labels import RunLabel
 from pipeline.store.local_upkeep import LocalUpkeep
 from pipeline.store.quarantine import move_aside
@@ -60,9 +61,7 @@ class LocalStore:
     ------
     InputError
         If the path is (or lies below) a file, the folder may not be read, or the store was written
-        by a newer version.
-    StoreError
-        If the description of the store is damaged.
+        by a newer version, or does not say by which.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -74,7 +73,10 @@ class LocalStore:
             blocking = [p for p in above if p.exists() and not p.is_dir()]
         if blocking:
             raise InputError(f"the store must be a folder, but {blocking[0]} is a file")
-        self._check_version()
+        about = self.path / "store.json"
+        with opening(about):
+            if about.exists():
+                check_description(about.read_bytes(), self.path)
 
     @property
     def location(self) -> str:
@@ -246,26 +248,6 @@ class LocalStore:
             (self.path / name).mkdir(parents=True, exist_ok=True)
         if not (self.path / "store.json").exists():
             write_atomically(self.path / "store.json", json.dumps({"version": SCHEMA}).encode())
-
-    def _check_version(self) -> None:
-        about = self.path / "store.json"
-        try:
-            with opening(about):
-                version = json.loads(about.read_bytes())["version"] if about.exists() else SCHEMA
-            if type(version) is not int or version < 1:
-                raise ValueError(f"version {version!r}")
-        except (ValueError, KeyError, TypeError) as error:
-            raise StoreError(
-                f"unreadable description of the store ({error})",
-                path=about,
-                remedy=f'if everything in it is of this version, write {{"version": {SCHEMA}}} into '
-                "this file; otherwise choose another store with --store",
-            ) from error
-        if version > SCHEMA:
-            raise InputError(
-                f"the store {self.path} has layout version {version}; this program knows versions "
-                f"up to {SCHEMA}: update it, or choose another store with --store"
-            )
 
 
 @lru_cache(maxsize=16)

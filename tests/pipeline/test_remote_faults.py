@@ -208,7 +208,7 @@ def test_a_store_of_a_newer_version_is_bad_input(store: RemoteStore, shared: str
     with pytest.raises(InputError, match=f"layout version {SCHEMA + 1}"):
         remote_store(shared)
     store.objects.write({"store.json": b"{"})
-    with pytest.raises(StoreError, match=r"unreadable description.*store\.json"):
+    with pytest.raises(InputError, match=r"unreadable description.*store\.json"):
         remote_store(shared)
 
 

@@ -134,7 +134,7 @@ def test_a_store_of_a_newer_version_is_bad_input(store: LocalStore) -> None:
 def test_a_store_with_an_unreadable_description_is_refused(text: str, store: LocalStore) -> None:
     publish(store, example())
     (store.path / "store.json").write_text(text)
-    with pytest.raises(StoreError, match=r"store\.json"):
+    with pytest.raises(InputError, match=r"store\.json gives no version.*\nRemedy: "):
         LocalStore(store.path)
 
 

@@ -19,6 +19,7 @@ from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
 from pipeline.locks import locked
 from pipeline.manifest import Manifest
+from pipeline.store.description import check_description
 from pipeline.store.labels import RunLabel
 from pipeline.store.remote import leases
 from pipeline.store.remote import mirror as mirrors
@@ -80,7 +81,7 @@ class RemoteStore:
             if about is None:
                 objects.check_place()
         if about is not None:
-            self._check_version(about)
+            check_description(about, self.location)
         objects.be_patient()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -251,23 +252,6 @@ class RemoteStore:
                 cause = cause.__cause__
             if cause is None:
                 raise
-
-    def _check_version(self, contents: bytes) -> None:
-        try:
-            version = json.loads(contents)["version"]
-            if type(version) is not int or version < 1:
-                raise ValueError(f"version {version!r}")
-        except (ValueError, KeyError, TypeError) as error:
-            raise StoreError(
-                f"unreadable description of the store ({error})",
-                path=f"{self.location}/store.json",
-                remedy="choose another store with --store",
-            ) from error
-        if version > SCHEMA:
-            raise InputError(
-                f"the store {self.location} has layout version {version}; this program knows versions "
-                f"up to {SCHEMA}: update it, or choose another store with --store"
-            )
 
 
 def _forbids_writing(error: BaseException) -> bool:
