@@ -34,14 +34,14 @@ class StagePace:
     there
         Their keys: fewer, if inputs came out the same.
     computed, seconds
-        How many were computed by now, and their time together.
+        Keys of those that were computed by now, and their time together.
     """
 
     planned: int
     expected: float | None = None
     seen: set[int] = field(default_factory=set)
     there: set[str] = field(default_factory=set)
-    computed: int = 0
+    computed: set[str] = field(default_factory=set)
     seconds: float = 0.0
 
     @property
@@ -58,7 +58,7 @@ class StagePace:
     @property
     def mean(self) -> float | None:
         """Seconds for one."""
-        return self.seconds / self.computed if self.computed else self.expected
+        return self.seconds / len(self.computed) if self.computed else self.expected
 
 
 class Pace:
@@ -108,7 +108,7 @@ class Pace:
             stage.there.add(inner.key)
             stage.seen.add(self._planned[self._numbers[case]][inner.node])
         if isinstance(inner, StageFinished):
-            stage.computed += 1
+            stage.computed.add(inner.key)
             stage.seconds += inner.seconds
 
     def case_done(self, *, failed: bool) -> None:

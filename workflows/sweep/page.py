@@ -93,7 +93,7 @@ def _case(
 ) -> dict[str, Any]:
     return {
         "name": results.study.design.name(i),
-        "status": results.statuses[i] if i in results.errors else "",
+        "status": "failed" if i in results.errors else "",
         "parameters": [column.cells[i] for column in parameters],
         "quantities": [column.cells[i] for column in measured],
     }

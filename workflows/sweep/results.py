@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from workflows.sweep.study import Study
 from workflows.workflow import Quantity
@@ -139,19 +139,6 @@ class Results:
             _cell(self.quantities.get(number, {}).get(name), place)
             for number in range(len(self.study.design))
         ]
-
-    def note(self, outcomes: Mapping[str, Any], seen: set[str]) -> None:
-        """Count the stages of a case, those in ``seen`` apart, which other cases have, too."""
-        for outcome in outcomes.values():
-            if outcome.key in seen:
-                continue
-            seen.add(outcome.key)
-            before = self.stages.get(outcome.stage, Stage())
-            self.stages[outcome.stage] = Stage(
-                before.computed + (not outcome.hit),
-                before.found + outcome.hit,
-                before.seconds + (0.0 if outcome.hit else outcome.seconds),
-            )
 
 
 def _cell(quantity: Quantity | None, place: int | None) -> Cell:

@@ -24,7 +24,7 @@ from workflows.sweep.measuring import Measure, quantities_of
 from workflows.sweep.outputs import write_case, write_results
 from workflows.sweep.pace import Pace
 from workflows.sweep.progress import Display, summary, watching_cases
-from workflows.sweep.results import Results
+from workflows.sweep.results import Results, Stage
 from workflows.sweep.study import Study
 from workflows.ways import USUAL, Way
 
@@ -91,7 +91,6 @@ class Sweep:
         self._journal = Journal(folder)
         self._codes = Codes()
         self._results = Results(study)
-        self._seen: set[str] = set()
         self.earlier = 0
 
     def __enter__(self) -> Sweep:
@@ -135,14 +134,19 @@ class Sweep:
                 ):
                     self._note(result, display)
         except KeyboardInterrupt:
-            self._write("stopped")
+            self._write("stopped", pace)
             if not self._way.quiet:
                 print(f"\n{summary(pace)} are done; tables, figure and report show these")
             raise
-        self._write("ended")
+        self._write("ended", pace)
         return self._results
 
-    def _write(self, how: str) -> None:
+    def _write(self, how: str, pace: Pace) -> None:
+        self._results.stages = {
+            name: Stage(len(stage.computed), len(stage.there) - len(stage.computed), stage.seconds)
+            for name, stage in pace.stages.items()
+            if stage.there
+        }
         write_results(self._results, self._folder)
         counts = {"done": len(self._results.quantities), "failed": len(self._results.errors)}
         self._journal.ended(how, counts)
@@ -163,7 +167,6 @@ class Sweep:
     def _note(self, result: CaseResult, display: Display) -> None:
         number = self._study.design.numbers[result.name]
         case = self._study.design[number]
-        self._results.note(result.outcomes, self._seen)
         if isinstance(result, CaseDone):
             error = None
             self._results.quantities[number] = quantities_of(result.value)
