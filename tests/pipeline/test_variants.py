@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import BaseModel, field_validator
 
 from pipeline.canonical import digest
 from pipeline.config import load, read_toml
@@ -94,3 +95,26 @@ def test_an_error_names_field_and_value() -> None:
 
 def _toml(value: Any) -> str:
     return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+class Doubled(BaseModel):
+    """A section that changes what it is given."""
+
+    size: float
+    count: int = 1
+
+    @field_validator("size")
+    @classmethod
+    def _double(cls, size: float) -> float:
+        return 2 * size
+
+
+class Whole(BaseModel):
+    """A configuration of one section."""
+
+    part: Doubled
+
+
+def test_a_value_that_a_section_changes_is_changed_once() -> None:
+    made = Variants(Whole, [{"part": {"size": 1.0}}])
+    assert made.load([(("part", "count"), 3)]) == Whole(part=Doubled(size=1.0, count=3))
