@@ -45,6 +45,10 @@ __all__ = [
 ]
 
 
+COMPARED = 256
+"""Latest results of a stage that a plan compares with; a study leaves thousands of them."""
+
+
 def explain(
     nodes: Mapping[str, Node[Any]], store: Store, *, accept_code: bool = False
 ) -> list[Verdict]:
@@ -120,7 +124,7 @@ def _judge(
     key = None if waits_for else stated.key
     resume = None if waits_for else _resume(stated.ref, store)
     unknown = {role: InputEntry(n.stage.name, "", None, UNKNOWN) for role, n in nodes.items()}
-    past = nearest(stated, {**unknown, **inputs}, store)
+    past = nearest(stated, {**unknown, **inputs}, store, among=COMPARED)
     if past is None:
         return Missing(name, stage, key, resume)
     manifest, reasons = past

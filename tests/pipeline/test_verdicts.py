@@ -69,6 +69,24 @@ def test_the_same_request_by_other_code_is_nearer_than_another_request_by_this_c
     assert not [reason for reason in wave.reasons if isinstance(reason, ConfigChanged)]
 
 
+def test_only_the_latest_results_are_compared_with(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plan, "COMPARED", 2)
+    for gain in (1.0, 2.0, 3.0):
+        run(nodes(gain=gain, frames=10 if gain == 1.0 else 11), store)
+    read = []
+    real = store.manifest
+    monkeypatch.setattr(store, "manifest", lambda ref: read.append(ref) or real(ref))
+    verdict = explain(nodes(gain=9.0, frames=10), store)[-1]
+    assert isinstance(verdict, Changed)
+    assert {str(reason) for reason in verdict.reasons} == {
+        "gain is 9.0, was 3.0",
+        "frames is 10, was 11",
+    }
+    assert len({ref for ref in read if ref.stage == "wave"}) == 2
+
+
 def test_a_damaged_result_is_told_and_what_follows_depends_on_it(store: LocalStore) -> None:
     ref = run(nodes(), store)["mesh"].manifest.ref
     next(store.data(ref).rglob("*.h5")).unlink()
