@@ -58,10 +58,11 @@ StorePath = Annotated[
     str | None,
     typer.Option(
         "--store",
-        metavar="DIR",
+        metavar="DIR|URL",
         parser=location_given,
         envvar="MYOFILM_STORE",
-        help="Where results are kept.  [default: the user's cache folder]",
+        help="Where results are kept: a folder, or a URL such as s3://bucket/prefix.  "
+        "[default: the user's cache folder]",
     ),
 ]
 RecomputeDamaged = Annotated[

@@ -76,6 +76,12 @@ def test_looking_after_the_store_needs_no_numerics(command: list[str], tmp_path:
     assert not imported("store", *command, "--store", tmp_path) & (LIGHT | NUMERICS)
 
 
+def test_a_store_below_a_url_needs_its_driver_and_no_numerics(tmp_path: Path) -> None:
+    heavy = LIGHT | NUMERICS
+    assert not imported("store", "ls", "--store", tmp_path) & {"fsspec", "s3fs"}
+    assert not imported("store", "ls", "--store", "memory://here") & (heavy | {"s3fs"})
+
+
 @pytest.mark.parametrize(
     "workflow",
     [
