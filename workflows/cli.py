@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import sys
 import traceback
 from pathlib import Path
 from typing import Annotated, Any
@@ -25,6 +23,7 @@ from workflows.options import (
     Workers,
     path_given,
 )
+from workflows.startup import start
 from workflows.store_cli import store_app
 from workflows.sweep.cli import sweep
 
@@ -282,16 +281,9 @@ def reproduce(
         )
 
 
-def _silence_closed_streams() -> None:
-    """Open what the caller closed (``>&-``) on nothing, before another file takes its number."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode))
-
-
 def main() -> None:
     """Entry point of the command ``myofilm``."""
-    _silence_closed_streams()
+    start()
     app(prog_name="myofilm")
 
 

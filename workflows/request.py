@@ -96,7 +96,9 @@ def open_store(location: str | None) -> Store:
         If there can be no store.
     """
     from pipeline.store import open_store as opened
+    from workflows.startup import under_way
 
+    under_way()  # whatever takes long has a store
     return opened(location)
 
 

@@ -110,6 +110,23 @@ def test_a_run_that_computes_nothing_needs_no_heavy_library(desk: Desk) -> None:
     assert not imported("run", "planar-waves", *where) & (LIGHT | NUMERICS)
 
 
+def test_garbage_is_collected_from_when_a_store_is_opened(tmp_path: Path) -> None:
+    code = f"""
+import gc
+from workflows.request import open_store
+from workflows.startup import start
+start()
+assert not gc.isenabled()
+open_store({str(tmp_path)!r})
+assert gc.isenabled()
+gc.disable()  # whoever wants that in a program of their own
+open_store({str(tmp_path)!r})
+assert not gc.isenabled()
+"""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)
+
+
 COUNTING = """
 import collections, os, sys
 opened = collections.Counter()
