@@ -113,7 +113,7 @@ def _on_local_workers(workers: int, warn: Callable[[str], None]) -> Executor:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
             memory_limit=0,  # they hold no results; what a stage needs it needs
             silence_logs=logging.CRITICAL,
             env=THREADS,
