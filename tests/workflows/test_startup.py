@@ -177,12 +177,13 @@ def test_what_was_computed_is_found_by_manifests_and_known_sources_alone(
     opened(cache, command, "planar-waves", *where)
     files = {p: p.stat().st_mtime_ns for p in out.iterdir()}
     counts = opened(cache, command, "planar-waves", *where)
-    # Every source file was parsed before, by whatever process; each is read once as it is loaded, once for
-    # all keys, and once for all that is exported, and never parsed.
+    # Every source file was parsed before, by whatever process; each is read once as it is loaded (and
+    # by Python, where it keeps no bytecode), once for all keys, and once for all that is exported, and
+    # never parsed.
     assert counts.pop("<parsed>", 0) == 0
     sources = {n: c for n, c in counts.items() if n.startswith(str(ROOT)) and n.endswith(".py")}
     assert len(sources) > 100
-    assert max(sources.values()) <= 3
+    assert max(sources.values()) <= (4 if sys.dont_write_bytecode else 3)
     # The size of results does not matter: none of their data is opened.
     objects = str(desk.store / "objects")
     assert {Path(n).name for n in counts if n.startswith(objects)} == {"manifest.json"}
