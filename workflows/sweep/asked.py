@@ -87,7 +87,8 @@ def _product(asked: Asked, variants: Variants[Any]) -> tuple[list[Block], dict[F
         field, listed = _field_and_values(text, variants, "--over")
         between = interval(field, listed, "--over") if asked.sample is not None else None
         if between is None:
-            blocks.append(Block((field,), [(v,) for v in values(field, listed, "--over")]))
+            rows = [(value,) for value in values(field, listed, "--over")]
+            blocks.append(Block((field,), rows, is_axis=True))
         elif any(field.path == known.path for known in intervals):
             raise InputError(f"{field.path} is given twice; give one interval")
         else:

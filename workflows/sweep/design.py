@@ -17,11 +17,24 @@ MOST = 10_000_000
 
 @dataclass(frozen=True)
 class Block:
-    """Fields that change together, row by row; ``None`` leaves the workflow's own value."""
+    """Fields that change together, row by row.
+
+    Attributes
+    ----------
+    fields
+        The fields.
+    rows
+        A value for each, ``None`` for the workflow's own one.
+    names
+        Of the cases, if they have some.
+    is_axis
+        Whether it is one field whose values were listed, each once.
+    """
 
     fields: tuple[Field, ...]
     rows: Sequence[tuple[Scalar | None, ...]]
     names: tuple[str, ...] = ()
+    is_axis: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,7 +99,7 @@ class Design:
     @property
     def is_grid(self) -> bool:
         """Whether each field changes by itself, so that the cases fill a grid."""
-        return all(len(block.fields) == 1 and not block.names for block in self.blocks)
+        return all(block.is_axis for block in self.blocks)
 
     def __len__(self) -> int:
         return math.prod(self.shape)

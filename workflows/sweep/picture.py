@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from stages.numerics.bsplines import Array
 from workflows.figures.style import INK, PROBE_COLOURS, drawing, save
@@ -24,6 +25,10 @@ PANELS = 9
 ACROSS = 3
 WIDTH, HEIGHT = 3.6, 2.7
 """Of a panel, inches."""
+
+STYLES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
+LOOKS = ("full", "dashed", "dotted", "dash-dotted")
+"""Lines for the values of a third parameter, and what they are called."""
 
 
 def write_picture(results: Results, folder: Path) -> str:
@@ -43,13 +48,17 @@ def write_picture(results: Results, folder: Path) -> str:
 
 
 def worth_showing(columns: Sequence[Column]) -> list[Column]:
-    """The first quantities that change from case to case; if none does, the first ones."""
+    """The first quantities that change from case to case; if none does, the first ones.
+
+    Single numbers come before first items of lists, which often say the same.
+    """
     changing = [
         column
         for column in columns
         if column.is_numeric and _spread([x for x in column.numbers if math.isfinite(x)])
     ]
-    return (changing or [column for column in columns if column.is_numeric])[:PANELS]
+    found = changing or [column for column in columns if column.is_numeric]
+    return sorted(found, key=lambda column: column.place is not None)[:PANELS]
 
 
 def _spread(numbers: Sequence[float]) -> bool:
@@ -66,19 +75,30 @@ def _lines(
     order = sorted(range(len(shape)), key=lambda i: (not parameters[i].is_numeric, -shape[i]))
     along, *others = order
     coloured = others[0] if others else None
+    styled = others[1] if len(others) > 1 and shape[others[1]] <= len(STYLES) else None
     x, labels = _positions(_axis(parameters[along], shape, along))
+    order_along = np.argsort(x)
+    x = x[order_along]
     with drawing(*_size(len(shown))) as figure:
         colours = _Colours(
             None if coloured is None else _axis(parameters[coloured], shape, coloured)
         )
         for axes, column in zip(_panels(figure, len(shown)), shown, strict=False):
             values = np.reshape(column.numbers, shape)
-            curves = np.moveaxis(values, along, -1)
+            curves = np.moveaxis(values, along, -1)[..., order_along]
             rest = [i for i in range(len(shape)) if i != along]
             for index in np.ndindex(*curves.shape[:-1]):
                 level = index[rest.index(coloured)] if coloured is not None else 0
-                line = {"color": colours.of(level), "linewidth": 1.5, "markersize": 3.5}
-                axes.plot(x, curves[index], marker="o" if len(x) <= 25 else "", **line)
+                style = STYLES[index[rest.index(styled)]] if styled is not None else "-"
+                axes.plot(
+                    x,
+                    curves[index],
+                    color=colours.of(level),
+                    linestyle="" if labels else style,  # nothing lies between two names
+                    linewidth=1.5,
+                    marker="o" if labels or len(x) <= 25 else "",
+                    markersize=5.0 if labels else 3.5,
+                )
             axes.set_title(column.heading, fontsize=9, color=INK)
             _finish(axes, parameters[along], x, labels)
         _label_rows(figure, parameters[along])
@@ -88,6 +108,11 @@ def _lines(
     words = f"Each quantity over {_told(parameters[along])}"
     if coloured is not None:
         words += f", coloured by {_told(parameters[coloured])}"
+    if styled is not None and not labels:
+        lines = zip(_axis(parameters[styled], shape, styled).cells, LOOKS, strict=False)
+        told = ", ".join(f"{look} for {parameter(cell)}" for cell, look in lines)
+        words += f"; lines by {parameters[styled].name}: {told}"
+        others = [i for i in others if i != styled]
     if more := [parameters[i].name for i in others[1:]]:
         words += f"; a curve for each value of {', '.join(more)}"
     return words + "."
@@ -191,11 +216,16 @@ def _nothing(panels: Any) -> None:
 
 def _finish(axes: Axes, along: Column, x: Array, labels: list[str] | None) -> None:
     axes.grid(alpha=0.25, linewidth=0.6)
-    axes.margins(x=0.04)
+    axes.margins(x=0.04 if labels is None else 0.2)
+    axes.tick_params(labelsize=8)
     if labels is not None:
-        axes.set_xticks(range(len(labels)), labels, rotation=30 if len(labels) > 3 else 0)
+        long = sum(map(len, labels)) > 30
+        look: Any = {"rotation": 20, "ha": "right"} if long else {}
+        axes.set_xticks(range(len(labels)), labels, **look)
     elif len(x) > 2 and x.min() > 0 and x.max() > 100 * x.min():
         axes.set_xscale("log")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(5))
 
 
 def _label_rows(figure: Figure, along: Column) -> None:
