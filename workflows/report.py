@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
 
 from pipeline.config import describe
+from pipeline.lineage import Lineage, lineage
 from workflows.progress import duration, size
+from workflows.provenance.picture import picture
 from workflows.tables import number, parameter
 from workflows.version import version
 from workflows.workflow import Quantity
@@ -47,6 +50,7 @@ def render(
         data=[export for export in request.exports if export.kind == "data"],
         stages=[_stage(name, outcome) for name, outcome in outcomes.items()],
         sections=_sections(request),
+        lineage=Markup(picture(_lineage(outcomes))),  # its texts are escaped
     )
 
 
@@ -59,6 +63,12 @@ def _stage(name: str, outcome: Outcome) -> dict[str, Any]:
         "size": size(outcome.manifest.size),
         "warnings": outcome.manifest.warnings,
     }
+
+
+def _lineage(outcomes: Mapping[str, Outcome]) -> Lineage:
+    """The results of the run, and what they were made from."""
+    store = next(iter(outcomes.values())).store
+    return lineage(store, [outcome.manifest.ref for outcome in outcomes.values()])
 
 
 def _sections(request: Request) -> dict[str, list[Any]]:

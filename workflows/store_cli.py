@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from workflows.options import StorePath
+from workflows.options import StorePath, path_given
 
 store_app = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, help="Look into the store of kept results."
@@ -43,13 +44,52 @@ def store_ls(
 
 @store_app.command("show")
 def store_show(
-    key: Annotated[str, typer.Argument(help="Key of a result, or its first characters.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="KEY|RUN", help="Key of a result or its first characters, or name of a run."
+        ),
+    ],
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.svg", help="Draw what it was made from.", parser=path_given),
+    ] = None,
     store: StorePath = None,
 ) -> None:
-    """Tell everything about one kept result: how it was asked for and how it came about."""
-    from workflows.store_commands import show_artefact
+    """Tell everything about a result or a run: what it was made from, and how all of it was made."""
+    from workflows.provenance.show import show
 
-    show_artefact(key, store)
+    show(name, store, picture)
+
+
+@store_app.command("export")
+def store_export(
+    name: Annotated[
+        str,
+        typer.Argument(metavar="RUN|KEY", help="Name or output folder of a run, or a key."),
+    ],
+    file: Annotated[Path, typer.Argument(metavar="FILE.tar", help="File to be made.")],
+    store: StorePath = None,
+) -> None:
+    """Write the results of a run to one file, for a colleague."""
+    from workflows.provenance.archives import export_archive
+
+    export_archive(name, file, store)
+
+
+@store_app.command("import")
+def store_import(
+    file: Annotated[Path, typer.Argument(metavar="FILE.tar", help="What `store export` made.")],
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Name that keeps them.  [default: as exported, or FILE]"),
+    ] = None,
+    store: StorePath = None,
+) -> None:
+    """Take in what a colleague exported; all of it is checked before."""
+    from workflows.provenance.archives import import_archive
+
+    import_archive(file, name, store)
 
 
 @store_app.command("runs")

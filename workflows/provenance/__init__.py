@@ -1,0 +1,1 @@
+"""Where results come from, told in words, as a tree and as a picture."""
