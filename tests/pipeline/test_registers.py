@@ -33,14 +33,14 @@ Start = Callable[..., "subprocess.Popen[str]"]
 DAY = 86400.0
 
 ASKING = """
-import sys
+import time
 from pipeline.keys import Ref
 from pipeline.store import LocalStore, RunLabel
 store, label = LocalStore({store!r}), RunLabel.of({name!r}, {folder!r}) if {folder!r} else RunLabel("worker")
 store.begin(label)
 store.find(Ref({stage!r}, {key!r}), label)
 print("asked", flush=True)
-sys.stdin.read()
+time.sleep(60)
 """
 
 
