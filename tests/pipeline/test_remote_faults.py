@@ -376,13 +376,13 @@ def test_what_a_lost_machine_had_copied_is_gone_on_with_elsewhere(
 def test_a_copy_that_cannot_be_made_does_not_stop_the_work(
     store: RemoteStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(self: Any, files: Mapping[str, Path]) -> None:
-        if any(path.startswith("checkpoints/") for path in files):
+    def fail(self: Any, contents: Mapping[str, bytes]) -> None:
+        if any(path.startswith("checkpoints/") for path in contents):
             raise StoreError("the network is down")
-        upload(self, files)
+        write(self, contents)
 
-    upload = FolderObjects.upload
-    monkeypatch.setattr(FolderObjects, "upload", fail)
+    write = FolderObjects.write
+    monkeypatch.setattr(FolderObjects, "write", fail)
     events: list[Event] = []
     eager = remote_store(store.location, cache=store.folders.path, mirror=0.0)
     run({"wave": wave(0.001)}, eager, listen=events.append, checkpoint_interval=0.02)
