@@ -70,7 +70,8 @@ def _note(name: str, files: Iterable[str], *, everywhere: bool = False) -> None:
         try:
             with open(file, "rb") as source:
                 _LOADED[name] = content_id(source.read(), name, file)
-            _remove_doubtful_bytecode(file)
+            if not everywhere:  # otherwise it is loaded already
+                _remove_doubtful_bytecode(file)
         except OSError:
             continue
         return
