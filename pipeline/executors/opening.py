@@ -128,7 +128,11 @@ def _on_local_workers(workers: int, warn: Callable[[str], None]) -> Executor:
 
 def _silence() -> None:
     """What matters of what distributed logs, such as lost connections, is told in our own words."""
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    import distributed  # noqa: F401 - it sets the levels of its loggers
+
+    for name in ("distributed", *logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 def _cause(error: Exception) -> str:

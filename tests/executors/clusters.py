@@ -117,10 +117,10 @@ def _listens(port: int) -> bool:
     return True
 
 
-def at_work(store: Path) -> list[int]:
-    """Processes that hold the lock of a key."""
+def at_work(store: Path, key: str = "*") -> list[int]:
+    """Processes that hold the lock of a key, or of any."""
     found = []
-    for lock in (store / "locks").glob("*"):
+    for lock in (store / "locks").glob(key):
         with contextlib.suppress(ValueError):
             found.append(json.loads(lock.read_text())["pid"])
     return found

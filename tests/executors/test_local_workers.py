@@ -71,7 +71,9 @@ def is_running(process: int) -> bool:
         return False
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_a_signal_of_the_terminal_lets_workers_save_their_work(
     number: signal.Signals, slow: tuple[subprocess.Popen[str], int], tmp_path: Path
 ) -> None:
