@@ -16,7 +16,7 @@ from pipeline.testing.stores import StoreConformance
 from pipeline.testing.upkeep import UpkeepConformance
 
 
-class RemoteConformance(StoreConformance, UpkeepConformance):
+class RemoteConformance(StoreConformance):
     """What differs in the tests only: files are spoilt on the server, not in the copy."""
 
     def spoil(self, store: Store, ref: Ref, name: str, contents: bytes | None) -> None:
@@ -36,13 +36,13 @@ class TestSharedFolder(RemoteConformance):
         return remote_store((tmp_path / "shared").as_uri(), cache=tmp_path / "cache")
 
 
-class TestMemory(RemoteConformance):
+class TestMemory(RemoteConformance, UpkeepConformance):
     @pytest.fixture
     def store(self, tmp_path: Path) -> RemoteStore:
         return remote_store(f"memory://{uuid.uuid4().hex}/store", cache=tmp_path / "cache")
 
 
-class TestS3(RemoteConformance):
+class TestS3(RemoteConformance, UpkeepConformance):
     @pytest.fixture
     def store(self, bucket: str, tmp_path: Path) -> RemoteStore:
         return remote_store(f"{bucket}/store", cache=tmp_path / "cache")
