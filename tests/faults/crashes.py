@@ -179,6 +179,7 @@ def trial(workload: Workload, way: str, stage: str, store: Path, chance: random.
     done = Trial(workload.name, way, stage, [], [], {})
     while True:
         ending = attempt(workload, way, stage, store, chance)
+        done.problems.extend(spoilt(ending))
         if not ending.killed:
             if ending.error:
                 done.problems.append(ending.error)
@@ -190,8 +191,14 @@ def trial(workload: Workload, way: str, stage: str, store: Path, chance: random.
             break
     ending = Victim(workload.nodes, store, chance.choice(INTERVALS)).wait()
     done.resumed |= ending.resumed
+    done.problems.extend(spoilt(ending))
     done.problems.extend(problems_at_the_end(store, workload, ending))
     return done
+
+
+def spoilt(ending: Ending) -> list[str]:
+    """Checkpoints that a run could not go on from: a kill may cost one, but never half of one."""
+    return [warning for warning in ending.warnings if "checkpoint" in warning]
 
 
 def study(
