@@ -104,7 +104,7 @@ def test_every_case_is_a_row_with_parameters_and_quantities(
 
 def test_a_case_has_the_numbers_of_the_run_that_it_is(tiny: Desk, grid: dict[str, Any]) -> None:
     settings = ("--set", "mechanics.damping=0.4", "--set", "geometry.fibre_angle=30")
-    alone = tiny.run("alone", *settings)
+    alone = tiny.run("alone", *settings, command="postprocessing")
     assert all(stage["hit"] for stage in alone["stages"].values())
     (row,) = (row for row in rows(tiny.folder / "grid") if row["case"] == "10")
     for name in ("B.max_displacement", "C.max_displacement", "A.peak_active_stress"):
@@ -240,6 +240,16 @@ def test_a_journal_cut_short_by_a_crash_is_read_and_continued(tiny: Desk) -> Non
     assert json.loads(last)["event"] == "ended"
 
 
+def test_an_unreachable_scheduler_is_told_before_anything_is_computed(tiny: Desk) -> None:
+    nobody = "tcp://127.0.0.1:9"
+    more = ("--over", "mechanics.damping=3,4", "--cluster", nobody, "--out", tiny.folder / "far")
+    before = computations(tiny.store, "mechanics")
+    result = tiny.call("sweep", *more)
+    assert result.exit_code == 2
+    assert nobody in result.stderr
+    assert computations(tiny.store, "mechanics") == before
+
+
 def test_each_case_may_have_its_own_report(tiny: Desk) -> None:
     table = tiny.folder / "named.csv"
     table.write_text("case,mechanics.damping\nusual,0.4\n")
@@ -248,6 +258,7 @@ def test_each_case_may_have_its_own_report(tiny: Desk) -> None:
     assert {"report.html", "summary.json", "probes.csv", "fig9.png"} <= set(os.listdir(own))
 
 
+@pytest.mark.slow
 def test_samples_are_arrays_over_the_cases(tiny: Desk) -> None:
     xarray = pytest.importorskip("xarray")
     more = ("--sample", "lhs:3", "--over", "mechanics.damping=0.2..0.8", "--zip")
