@@ -114,7 +114,8 @@ def study(name: str, store: LocalStore, settings: list[str]) -> dict[str, Any]:
     outcomes = run(Request.read(name, None, settings).nodes(), store)
     refs = [outcome.manifest.ref for outcome in outcomes.values()]
     small = sum(outcome.manifest.size for outcome in outcomes.values())
-    total: dict[str, dict[str, float]] = {form: {} for form in FORMS}
+    nothing = dict.fromkeys(("bytes", "files", "write", "frame", "course"), 0.0)
+    total = {form: dict(nothing) for form in FORMS}
     fields = []
     for stage, field, array in arrays(store, refs):
         exact = np.asarray(array[...])
@@ -137,7 +138,7 @@ def study(name: str, store: LocalStore, settings: list[str]) -> dict[str, Any]:
         for form, options in FORMS.items():
             found = measured(exact.astype(options.get("dtype", kept)), options)
             for what, value in found.items():
-                total[form][what] = total[form].get(what, 0.0) + value
+                total[form][what] += value
     return {"small": small, "forms": total, "fields": fields}
 
 

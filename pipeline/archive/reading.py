@@ -127,7 +127,7 @@ def _opened(path: Path) -> Iterator[tarfile.TarFile]:
         with tarfile.open(path, "r:*") as tar:
             yield tar
     except tarfile.ReadError as error:
-        raise ArchiveError(path, f"it is no tar file, or it was cut short ({error})") from error
+        raise ArchiveError(path, "it is no tar file, or it was cut short") from error
     except (tarfile.TarError, EOFError, zlib.error, lzma.LZMAError) as error:
         raise ArchiveError(path, f"it is damaged ({error})") from error
     except OSError as error:

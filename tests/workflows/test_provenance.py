@@ -109,3 +109,15 @@ def test_a_name_that_stands_for_other_results_is_not_taken(
     assert result.exit_code == 2
     assert "choose another name" in result.output
     shutil.rmtree(tmp_path / "theirs")
+
+
+@pytest.mark.parametrize("command", ["show", "rm"])
+def test_a_folder_outside_of_the_store_is_never_taken_for_a_result(
+    command: str, store: LocalStore, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine" / "thesis"
+    mine.mkdir(parents=True)
+    for name in (str(mine), f"../../{mine.parent.name}/thesis"):
+        result = invoke("store", command, name, "--store", store.path)
+        assert result.exit_code == 2, result.output
+        assert mine.is_dir()

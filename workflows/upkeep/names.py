@@ -38,7 +38,7 @@ def artefact(store: Store, text: str) -> Ref:
 def artefacts(store: Store, text: str) -> list[Ref]:
     """All artefacts whose key starts so; ``STAGE/`` may stand before it."""
     stage, _, start = text.rpartition("/")
-    if not start:
-        return []
+    if not start or set(stage) & {"/", "\\"} or stage in (".", "..") or text.startswith("/"):
+        return []  # a path, which would lead out of the store
     refs = store.refs(stage) if stage else store.refs()
     return [ref for ref in refs if ref.key.startswith(start)]
