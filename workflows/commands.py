@@ -126,7 +126,10 @@ def run_stage(
             quantities = read_quantities(request, outcomes, ledger)
         write_summary(request, outcomes, quantities, folder)
     if not way.quiet:
-        print(f"\nresult   {kept.data(outcomes[stage].manifest.ref)}")
+        ref = outcomes[stage].manifest.ref
+        # A remote store would have to copy the data here first.
+        place = kept.data(ref) if "://" not in kept.location else kept.where(ref)
+        print(f"\nresult   {place}")
         print(f"summary  {folder / 'summary.json'}")
 
 

@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import http.server
 import os
+import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -303,6 +304,10 @@ class Counting(FolderObjects):
         self.asked.append("many")
         return {p: found for p in paths if (found := FolderObjects.read(self, p)) is not None}
 
+    def write(self, contents: Mapping[str, bytes]) -> None:
+        self.asked.append(f"write {len(contents)}")
+        super().write(contents)
+
     def listing(self, folder: str) -> dict[str, Entry]:
         self.asked.append("listing")
         return super().listing(folder)
@@ -323,6 +328,60 @@ def test_listing_many_artefacts_asks_the_server_few_times(
     again = RemoteStore(objects, tmp_path / "elsewhere")
     assert len(again.upkeep.rows()) == 20
     assert objects.asked == ["read", "listing"]  # its version, and what there is
+
+
+def test_a_hit_waits_for_the_server_twice_and_uses_are_noted_together(
+    store: RemoteStore, tmp_path: Path
+) -> None:
+    refs = [publish(store, example(gain=float(gain))).ref for gain in range(3)]
+    objects = Counting(tmp_path / "shared")
+    again = RemoteStore(objects, tmp_path / "cache")  # where copies tell what to list
+    label = RunLabel("one")
+    again.begin(label)
+    objects.asked.clear()
+    for ref in refs:
+        assert again.find(ref, label) is not None
+    assert sorted(objects.asked) == sorted(3 * ["write 1", "read", "listing"])
+    objects.asked.clear()
+    again.finish(label)
+    assert objects.asked[0] == "write 3"
+    assert set(again.upkeep.last_uses()) == set(refs)
+    assert RemoteStore(objects, tmp_path / "elsewhere").find(refs[0]) is not None
+
+
+def test_jobs_of_a_process_share_one_store_and_read_manifests_anew(
+    store: RemoteStore, tmp_path: Path
+) -> None:
+    ref = publish(store, example()).ref
+    here = pickle.loads(pickle.dumps(store))
+    assert here is not store
+    first = here.manifest(ref)
+    store.upkeep.remove([ref], tuple)
+    second = publish(store, example())
+    assert here.manifest(ref).finished == first.finished  # of the same job
+    assert pickle.loads(pickle.dumps(store)) is here
+    assert here.manifest(ref).finished == second.finished
+
+
+def test_small_objects_are_read_by_one_request_each(
+    s3_server: S3Server, bucket: str, forgetful: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import s3fs
+
+    asked: list[str] = []
+    real = s3fs.S3FileSystem._call_s3
+
+    async def call(self: Any, method: str, *arguments: Any, **named: Any) -> Any:
+        asked.append(method)
+        return await real(self, method, *arguments, **named)
+
+    objects = fsspec_objects.FsspecObjects(f"{bucket}/small")
+    paths = [f"one/{number}" for number in range(5)]
+    objects.write(dict.fromkeys(paths, b"contents"))
+    monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", call)
+    assert objects.read(paths[0]) == b"contents"
+    assert objects.read_many([*paths, "one/none"]).keys() == set(paths)
+    assert asked == 7 * ["get_object"]
 
 
 # A run on a machine that is lost.

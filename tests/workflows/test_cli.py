@@ -57,6 +57,22 @@ def test_parameters_fit_the_terminal(width: int, monkeypatch: pytest.MonkeyPatch
     assert sorted(fitted.split()) == sorted(plain.split())  # nothing is lost
 
 
+def test_a_stage_tells_where_its_result_is_and_copies_nothing_for_that(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url, out = (tmp_path / "shared").as_uri(), tmp_path / "out"
+    for machine in ("one", "other"):
+        monkeypatch.setenv("MYOFILM_CACHE", str(tmp_path / machine))
+        result = invoke("geometry", "twitch", "--store", url, "--out", out)
+        assert f"result   {url}/objects/shell_geometry/" in result.output
+    assert list(tmp_path.glob("one/remote/*/artefacts/shell_geometry-*"))
+    assert not list(tmp_path.glob("other/remote/*/artefacts/shell_geometry-*"))
+    there = tmp_path / "store"
+    assert (
+        f"result   {there}" in invoke("geometry", "twitch", "--store", there, "--out", out).output
+    )
+
+
 def test_a_unit_may_be_given_with_a_parameter() -> None:
     result = invoke("show", "planar-waves", "--set", 'geometry.substrate_thickness="20 um"')
     assert " 0.02 " in result.output

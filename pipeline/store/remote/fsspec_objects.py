@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import inspect
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -27,10 +28,11 @@ S3_OPTIONS = {
     "connect_timeout": 3,
     "read_timeout": 60,
     "retries": {"mode": "standard", "total_max_attempts": 1},
+    "max_pool_connections": 64,
 }
 """An endpoint that is not there is to be known within seconds; whether to try again is decided here.
 
-Settings of the user go first.
+Manifests are many and small, so more connections than the usual ten. Settings of the user go first.
 """
 
 HASTE, PATIENCE = 1.0, 30.0
@@ -128,7 +130,7 @@ class FsspecObjects:
     def read(self, path: str) -> bytes | None:
         """Contents of an object."""
         try:
-            return bytes(self._ask(lambda: self._fs.cat_file(self._name(path))))
+            return bytes(self._ask(lambda: self._fs.cat_file(self._name(path), **self._small)))
         except FileNotFoundError:
             return None
 
@@ -138,7 +140,8 @@ class FsspecObjects:
 
         def request() -> dict[str, bytes]:
             found = {}
-            for name, contents in self._fs.cat(list(names), on_error="return").items():
+            answers = self._fs.cat(list(names), on_error="return", **self._small)
+            for name, contents in answers.items():
                 if isinstance(contents, bytes):
                     found[names[name]] = contents
                 elif not isinstance(contents, FileNotFoundError):
@@ -212,6 +215,12 @@ class FsspecObjects:
     @property
     def _fs(self) -> Any:
         return self._place[0]
+
+    @cached_property
+    def _small(self) -> dict[str, int]:
+        """What keeps s3fs from asking for the size of an object first, to read a large one in parts."""
+        taken = inspect.signature(getattr(self._fs, "_cat_file", self._fs.cat_file)).parameters
+        return {"max_concurrency": 1} if "max_concurrency" in taken else {}
 
     def _name(self, path: str) -> str:
         return f"{self._place[1]}/{path}"

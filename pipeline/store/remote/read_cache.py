@@ -42,6 +42,7 @@ class ReadCache:
     limit: float
     _held: OrderedDict[str, int] = field(default_factory=OrderedDict)
     _mutex: RLock = field(default_factory=RLock)
+    _first: dict[str, str] | None = None
 
     def get(self, ref: Ref, marker: Marker, fetch: Callable[[Path], None]) -> Path:
         """Folder with the data of an artefact.
@@ -85,6 +86,16 @@ class ReadCache:
             self._hold(name)
             self._remove(name)
             self._place(data, name, marker)
+
+    def attempt(self, ref: Ref) -> str | None:
+        """Whose data of an artefact there was a copy of when this process asked first, if any."""
+        if self._first is None:
+            names = []
+            with contextlib.suppress(OSError):
+                names = os.listdir(self.folder / "artefacts")
+            split = (name.rsplit("-", 1) for name in names if name.count("-") >= 2)
+            self._first = {name: attempt for name, attempt in split if attempt.isalnum()}
+        return self._first.get(f"{ref.stage}-{ref.key}")
 
     def drop(self, ref: Ref, marker: Marker) -> None:
         """Remove the copy of an artefact that is no longer what it was."""

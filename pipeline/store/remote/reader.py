@@ -7,6 +7,8 @@ import heapq
 import threading
 from collections import OrderedDict
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from pathlib import Path
 
 from pipeline.durable import remove_tree, storing
@@ -20,7 +22,7 @@ from pipeline.verification import DamagedError, full_problems
 KNOWN_AT_MOST = 20_000
 """Markers that a process remembers."""
 
-AHEAD = 256
+AHEAD = 1024
 """Markers that are read at once after a listing, over several connections."""
 
 
@@ -63,6 +65,32 @@ class Reader:
                 self._known.pop(ref, None)
             return None
         return self._remember(ref, contents)
+
+    def look(self, ref: Ref) -> tuple[Marker | None, list[str]]:
+        """Marker as it is now, and what is wrong with the artefact.
+
+        A copy on this machine tells which data will count, most likely: these are then listed while the
+        marker is read.
+
+        Raises
+        ------
+        StoreError
+            If the marker cannot be read.
+        """
+        likely = self._cache.attempt(ref)
+        listing = (
+            self._second.submit(self._objects.listing, data_folder(ref, likely)) if likely else None
+        )
+        marker = self.marker(ref)
+        if marker is None:
+            return None, []
+        there = listing.result() if listing and marker.attempt == likely else None
+        return marker, self.problems(ref, marker, there)
+
+    def forget(self) -> None:
+        """Read markers anew from now on: what is remembered may have been removed and computed again."""
+        with self._lock:
+            self._known.clear()
 
     def known(self, ref: Ref) -> Marker:
         """Marker that was read before, or is read now; the next ones of a listing are read with it.
@@ -116,9 +144,12 @@ class Reader:
 
         return heapq.nlargest(count, tied, key=published)
 
-    def problems(self, ref: Ref, marker: Marker) -> list[str]:
+    def problems(
+        self, ref: Ref, marker: Marker, there: dict[str, Entry] | None = None
+    ) -> list[str]:
         """What is wrong with an artefact, as far as its marker and a listing of its data tell."""
-        there = self._objects.listing(data_folder(ref, marker.attempt))
+        if there is None:
+            there = self._objects.listing(data_folder(ref, marker.attempt))
         found = list(_size_problems(ref, marker, there))
         if marker.manifest.ref != ref:
             found.append(f"its manifest belongs to {marker.manifest.ref}")
@@ -155,6 +186,10 @@ class Reader:
             yield folder
         finally:
             remove_tree(folder)
+
+    @cached_property
+    def _second(self) -> ThreadPoolExecutor:
+        return ThreadPoolExecutor(2, "listing")
 
     def _remember(self, ref: Ref, contents: bytes) -> Marker:
         try:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from pipeline.keys import Ref
@@ -76,13 +76,20 @@ class RemoteRegisters:
         with self._lock:
             self._begun.discard(folder)
         self.objects.write({f"{folder}/done": b""})
-        for run in [] if keep_earlier else list(self._runs_below(f"runs/{label.slug}")):
-            if run.label.generation < label.generation and not run.alive:
-                self.forget(run.label)
+        if keep_earlier:
+            return
+        there = self.objects.listing(f"runs/{label.slug}")
+        others = {path: entry for path, entry in there.items() if not _is_in(path, folder)}
+        earlier = [
+            _folder(run.label)
+            for run in self._runs_of(others)
+            if run.label.generation < label.generation and not run.alive
+        ]
+        self._remove([path for path in others if any(_is_in(path, run) for run in earlier)])
 
     def runs(self) -> Iterator[RegisteredRun]:
         """All runs, in no particular order."""
-        return self._runs_below("runs")
+        return self._runs_of(self.objects.listing("runs"))
 
     def refs(self, label: RunLabel) -> Iterator[Ref]:
         """What a run has registered so far."""
@@ -90,15 +97,18 @@ class RemoteRegisters:
             yield Ref(*path.split("/")[-2:])
 
     def forget(self, label: RunLabel) -> None:
-        """Remove all that is known of one run; the label last, without it nobody could tell whose."""
-        folder = _folder(label)
-        named = f"{folder}/label"
-        self.objects.remove([p for p in self.objects.listing(folder) if p != named])
-        self.objects.remove([named])
+        """Remove all that is known of one run."""
+        self._remove(self.objects.listing(_folder(label)))
 
-    def _runs_below(self, folder: str) -> Iterator[RegisteredRun]:
+    def _remove(self, paths: Collection[str]) -> None:
+        """Remove objects of runs; labels last, without them nobody could tell whose the others are."""
+        for labels in (False, True):
+            self.objects.remove([path for path in paths if path.endswith("/label") is labels])
+
+    def _runs_of(self, there: Mapping[str, Entry]) -> Iterator[RegisteredRun]:
+        """Runs among listed objects."""
         found: dict[str, dict[str, Entry]] = {}
-        for path, entry in self.objects.listing(folder).items():
+        for path, entry in there.items():
             parts = path.split("/")
             if len(parts) == 4:
                 found.setdefault("/".join(parts[:3]), {})[parts[3]] = entry
@@ -116,6 +126,10 @@ class RemoteRegisters:
                 and self.clock.now() - sign.modified <= self.seconds
             )
             yield RegisteredRun(label, None if done is None else done.modified, alive)
+
+
+def _is_in(path: str, folder: str) -> bool:
+    return path.startswith(f"{folder}/")
 
 
 def _folder(label: RunLabel) -> str:

@@ -9,7 +9,8 @@ import os
 import platform
 import uuid
 from collections.abc import Callable, Iterable, Iterator
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from pipeline.store.remote.read_cache import ReadCache
 from pipeline.store.remote.reader import Reader
 from pipeline.store.remote.registers import RemoteRegisters
 from pipeline.store.remote.upkeep import RemoteUpkeep, set_aside
+from pipeline.store.remote.uses import Uses
 from pipeline.store.remote.workspace import RemoteWorkspace
 from pipeline.verification import DamagedError
 
@@ -69,25 +71,26 @@ class RemoteStore:
     ) -> None:
         self.objects = objects
         self._given = cache, lease, mirror
-        self._written = False
+        self._described = self._ready = self._written = False
         self._mirror_seconds = mirror
         self.folders = Folders(cache or cache_folder(objects.location))
         self.cache = ReadCache(self.folders.path, cache_limit())
         self.reader = Reader(objects, self.cache)
         self._clock, self._heart = ServerClock(objects), Heart(lease / leases.BEATS)
         self._registers = RemoteRegisters(objects, self._clock, self._heart, lease)
+        self._uses = Uses(objects)
         with self._first_use():
             about = objects.read("store.json")
             if about is None:
                 objects.check_place()
         if about is not None:
             check_description(about, self.location)
+            self._described = True
         objects.be_patient()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """What another process needs; connections, locks and threads stay here."""
-        cache, lease, mirror = self._given
-        return _again, (self.objects, cache, lease, mirror)
+        """In another process: the one store of this place that all jobs there use."""
+        return _again, (_Place(type(self.objects), self.location, self.objects), *self._given)
 
     @property
     def location(self) -> str:
@@ -103,7 +106,9 @@ class RemoteStore:
     @property
     def upkeep(self) -> RemoteUpkeep:
         """Lists, tags, removing."""
-        return RemoteUpkeep(self.objects, self.reader, self._registers, self.leases, self.folders)
+        return RemoteUpkeep(
+            self.objects, self.reader, self._registers, self._uses, self.leases, self.folders
+        )
 
     def begin(self, label: RunLabel) -> None:
         """Make a run known, before it asks for artefacts under its label."""
@@ -114,6 +119,7 @@ class RemoteStore:
     def finish(self, label: RunLabel, *, keep_earlier: bool = False) -> None:
         """Note that a run ended well; unless told otherwise, earlier ones of its name are dropped."""
         with self._unless_read_only():
+            self._uses.write()
             self._registers.finish(label, keep_earlier=keep_earlier)
 
     def find(self, ref: Ref, label: RunLabel | None = None) -> Manifest | None:
@@ -125,18 +131,18 @@ class RemoteStore:
         if label is not None:
             with self._unless_read_only():
                 self._registers.add(label, ref)
-        marker = self.reader.marker(ref)
+        marker, problems = self.reader.look(ref)
         if marker is None and label is not None and self.upkeep.await_removal(ref):
-            marker = self.reader.marker(ref)
+            marker, problems = self.reader.look(ref)
         if marker is None:
             return None
-        if problems := self.reader.problems(ref, marker):
+        if problems:
             if self.reader.marker(ref) != marker:
                 return self.find(ref)  # it was removed, or computed anew, just now
             raise DamagedError(ref, self.where(ref), problems)
         if label is not None:
             with self._unless_read_only():
-                self.objects.write({f"usage/{ref.stage}/{ref.key}": b""})
+                self._uses.note(ref)
         return marker.manifest
 
     def manifest(self, ref: Ref) -> Manifest:
@@ -189,10 +195,13 @@ class RemoteStore:
         with contextlib.ExitStack() as stack:
             with self._using():
                 self._prepare()
+                with self._unless_read_only():
+                    self._uses.write()
                 alone = stack.enter_context(self._alone(ref, on_wait))
                 held = stack.enter_context(
                     self.leases.hold(ref.key, ref.stage, on_wait, alone_here=alone)
                 )
+            self._written = True
             # Without file locks each process of this machine works apart.
             name = ref.key if alone else f"{ref.key}.{platform.node()}.{os.getpid()}"
             folder, checkpoint = self.folders.work(name)
@@ -210,11 +219,17 @@ class RemoteStore:
             yield alone
 
     def _prepare(self) -> None:
-        """Describe the store, which also shows whether creating is safe here."""
-        if self._written:
+        """Make ready to write."""
+        if self._ready:
             return
         with opening(self.folders.path):
             self.folders.make()
+        if not self._described:
+            self._describe()
+        self._ready = True
+
+    def _describe(self) -> None:
+        """Write the description, which also shows whether creating is safe here."""
         with self._first_use():
             about = json.dumps({"version": SCHEMA, "id": uuid.uuid4().hex}).encode()
             if self.objects.create("store.json", about) and self.objects.create(
@@ -226,7 +241,6 @@ class RemoteStore:
                     "processes could publish the same artefact; update the server, or choose another "
                     "store with --store"
                 )
-        self._written = True
 
     def _using(self) -> contextlib.AbstractContextManager[None]:
         return contextlib.nullcontext() if self._written else self._first_use()
@@ -260,5 +274,22 @@ def _forbids_writing(error: BaseException) -> bool:
     )
 
 
-def _again(objects: Objects, cache: Path | None, lease: float, mirror: float) -> RemoteStore:
-    return RemoteStore(objects, cache, lease=lease, mirror=mirror)
+@dataclass(frozen=True)
+class _Place:
+    """Objects by kind and location: two connections to one place are the same place."""
+
+    kind: type
+    location: str
+    objects: Objects = field(compare=False)
+
+
+@lru_cache(maxsize=16)
+def _of_process(place: _Place, cache: Path | None, lease: float, mirror: float) -> RemoteStore:
+    return RemoteStore(place.objects, cache, lease=lease, mirror=mirror)
+
+
+def _again(place: _Place, cache: Path | None, lease: float, mirror: float) -> RemoteStore:
+    """For a new job: connection and checked copies serve all jobs, manifests may have changed since."""
+    store = _of_process(place, cache, lease, mirror)
+    store.reader.forget()
+    return store

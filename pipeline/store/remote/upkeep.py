@@ -25,6 +25,7 @@ from pipeline.store.remote.markers import Marker, data_folder, marker_path
 from pipeline.store.remote.objects import Entry, Objects
 from pipeline.store.remote.reader import Reader
 from pipeline.store.remote.registers import RemoteRegisters
+from pipeline.store.remote.uses import Uses
 from pipeline.store.tags import checked
 from pipeline.store.upkeep import Leftover
 
@@ -38,13 +39,14 @@ class RemoteUpkeep:
 
     Attributes
     ----------
-    objects, reader, registers, leases, folders
+    objects, reader, registers, uses, leases, folders
         Of the store.
     """
 
     objects: Objects
     reader: Reader
     registers: RemoteRegisters
+    uses: Uses
     leases: Leases
     folders: Folders
 
@@ -60,6 +62,7 @@ class RemoteUpkeep:
 
     def last_uses(self) -> dict[Ref, float]:
         """When a run found each artefact last, by the server's clock; those never found are left out."""
+        self.uses.write()
         found = self.objects.listing("usage")
         return {Ref(*path.split("/")[-2:]): entry.modified for path, entry in found.items()}
 
@@ -190,6 +193,7 @@ class RemoteUpkeep:
         except ValueError:
             folder = data_folder(ref)
         self.objects.remove(self.objects.listing(folder))
+        self.uses.drop(ref)
         self.objects.remove([f"usage/{ref.stage}/{ref.key}"])
 
     def _counted(self, refs: Iterable[Ref]) -> set[str]:
