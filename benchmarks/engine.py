@@ -98,10 +98,10 @@ def processes(store: Path, out: Path, rounds: int) -> None:
 def keys(rounds: int) -> None:
     """Print the table of what planning takes."""
     from pipeline.canonical import canonical
+    from pipeline.fingerprint.sources import Sources
+    from pipeline.fingerprint.syntax import parsed
     from pipeline.keys import code_of, statement
     from pipeline.nodes import in_order
-    from pipeline.sources import Sources
-    from pipeline.syntax import parsed
     from workflows.request import Request
 
     nodes = [node for _, node in in_order(Request.read("planar-waves").nodes())]

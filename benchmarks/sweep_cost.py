@@ -22,13 +22,13 @@ from collections.abc import Callable, Hashable, Iterator
 from pathlib import Path
 from typing import Any
 
-from pipeline.cases import Case
+from pipeline.computing.obtaining import Obtained, obtain
 from pipeline.executors.protocol import Completion, Hear
 from pipeline.keys import Ref
 from pipeline.manifest import Manifest
-from pipeline.obtaining import Obtained, obtain
 from pipeline.records import parts_of
 from pipeline.runner import run
+from pipeline.scheduling.cases import Case
 from pipeline.store import LocalStore
 from pipeline.sweep import sweep
 from pipeline.task import Task

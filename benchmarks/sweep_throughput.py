@@ -19,9 +19,9 @@ from collections.abc import Iterator
 
 import psutil
 
-from pipeline.cases import Case, CaseDone
 from pipeline.executors import Executor
 from pipeline.executors.opening import opened
+from pipeline.scheduling.cases import Case, CaseDone
 from pipeline.store import LocalStore
 from pipeline.store.labels import process_label
 from pipeline.sweep import sweep

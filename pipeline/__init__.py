@@ -3,18 +3,17 @@
 Where things are:
 
 - ``nodes`` (``stage``, ``Node``), ``runs`` (what a running stage may ask), ``records``, ``annotations``
-- ``canonical``, ``fingerprint`` (``syntax``, ``sources``, ``source_cache``), ``keys``: what makes two results
-  the same
-- ``loaded``, ``contents``, ``freshness``: whether the code in memory is the code that a key states
-- ``store``, ``manifest``, ``verification``, ``locks``, ``durable``, ``codecs``, ``loading``: how results
-  are kept and read
-- ``plan``, ``reasons``: what would run, and why
-- ``runner``, ``sweep``, ``cases``, ``scheduling``, ``outcome``: one run or many cases, node by node;
-  ``executors``: where they run
-- ``task``, ``obtaining``, ``execution``, ``storerun``, ``streams``, ``frames``, ``checkpoints``,
-  ``interrupts``: how a stage runs, streams and resumes
+- ``canonical``, ``fingerprint`` (the code behind a result, and whether it is the code in memory),
+  ``keys``: what makes two results the same
+- ``plan``: what would run, and why; when a result of other code is accepted
+- ``computing``, ``task``: how one result comes about, from the store or by its stage
+- ``running``: frames, checkpoints and stopping of a stage while it runs, in a store or in memory
+- ``scheduling``: which results are computed when, for one run or many cases; ``executors``: where;
+  ``runner`` and ``sweep`` are what users call
+- ``store``, ``manifest``, ``verification``, ``codecs``, ``durable``: how results are kept and checked;
+  ``lineage``, ``archive``: what they were made from, and how they are passed on
 - ``config``: tables, overrides and units to one validated configuration
-- ``events``, ``errors``, ``provenance``, ``memory``, ``testing``
+- ``events``, ``errors``, ``provenance``, ``threads``, ``testing``
 
 After editing code, start a new process (in a notebook: restart the kernel). A stage whose modules were
 edited after this process had loaded them is refused, since its result would get the key of other code.
@@ -23,6 +22,6 @@ Only running a stage or loading a result imports numpy, HDF5 and zarr. Importing
 note the state of the source files of modules loaded from then on (``loaded``).
 """
 
-from pipeline.loaded import watch
+from pipeline.fingerprint.loaded import watch
 
 watch()

@@ -20,7 +20,7 @@ from pipeline.canonical import (
     keyed_fields,
 )
 from pipeline.fingerprint import Fingerprint, fingerprint
-from pipeline.sources import Sources
+from pipeline.fingerprint.sources import Sources
 
 SCHEMA = 1
 """Version of the store's layout and of the meaning of a key; part of every key.

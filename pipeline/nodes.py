@@ -85,7 +85,7 @@ class Stage(Generic[R]):
         if not self.signature.wants_run:
             return self.function(config, *inputs, **named)
         if run is None:
-            from pipeline.memory import MemoryRun
+            from pipeline.running.memory import MemoryRun
 
             run = MemoryRun()
         return self.function(config, *inputs, run=run, **named)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pipeline.cases import Case, CaseFailed
+from pipeline.computing.obtaining import CHECKPOINT_INTERVAL, Policy
 from pipeline.events import Listener, ignore
 from pipeline.executors import Executor
 from pipeline.nodes import Node
-from pipeline.obtaining import CHECKPOINT_INTERVAL, Policy
-from pipeline.outcome import Outcome
+from pipeline.scheduling.cases import Case, CaseFailed
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
 from pipeline.sweep import sweep

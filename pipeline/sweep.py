@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from pipeline.cases import Case, CaseDone, CaseFailed, CaseResult
+from pipeline.computing.obtaining import Policy
 from pipeline.events import Listener, ignore
 from pipeline.executors import Executor, SerialExecutor
-from pipeline.interrupts import deferred_interrupts
-from pipeline.obtaining import Policy
-from pipeline.scheduling import Finish, Schedule
+from pipeline.running.interrupts import deferred_interrupts
+from pipeline.scheduling.cases import Case, CaseDone, CaseFailed, CaseResult
+from pipeline.scheduling.schedule import Finish, Schedule
 from pipeline.store import Store
 from pipeline.store.labels import process_label
 

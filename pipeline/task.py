@@ -9,10 +9,10 @@ from typing import Any
 
 from pipeline.errors import StageError
 from pipeline.fingerprint import Fingerprint
+from pipeline.fingerprint.sources import Sources
 from pipeline.keys import Ref, Statement, code_of, config_modules, statement
 from pipeline.manifest import InputEntry
 from pipeline.nodes import Node, Stage, source_node
-from pipeline.sources import Sources
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from workflows.request import Request, open_store
 
 if TYPE_CHECKING:
     from pipeline.plan import Forecast, Verdict
-    from pipeline.reasons import CodeChanged
+    from pipeline.plan.reasons import CodeChanged
 
 NAMED = 4
 """Edited modules that are named; a new version changes dozens."""
@@ -67,7 +67,7 @@ def _cost(forecast: Forecast) -> str:
 def _details(verdict: Verdict, config: Any, seen: Any) -> Iterator[str]:
     """Reasons in the user's names, then what else is worth knowing."""
     from pipeline.plan import Acceptable, Changed, Damaged, Hit, Missing
-    from pipeline.reasons import CodeChanged, ConfigChanged
+    from pipeline.plan.reasons import CodeChanged, ConfigChanged
 
     if isinstance(verdict, Hit | Acceptable) and verdict.versions:
         yield f"warning: it was computed with {', '.join(verdict.versions)}"

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from pipeline.fingerprint import Fingerprint, fingerprint
-from pipeline.freshness import edited_modules
+from pipeline.fingerprint.freshness import edited_modules
 from pipeline.keys import ENGINE, PACKAGES
 from pipeline.provenance import versions
 from pipeline.store import Store

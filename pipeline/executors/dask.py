@@ -24,7 +24,7 @@ from pipeline.executors.agreement import Agreement
 from pipeline.executors.connection import BROKEN, Connection, Future, Warn
 from pipeline.executors.protocol import Completion, Hear, LostExecutor, LostJob
 from pipeline.executors.working import Ended, Ticket
-from pipeline.interrupts import Stopped
+from pipeline.running.interrupts import Stopped
 
 RECONNECT = 60.0
 """Seconds in which a scheduler that went away may come back."""

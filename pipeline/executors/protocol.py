@@ -75,7 +75,7 @@ class Executor(Protocol):
         """End all jobs soon: those that run save a checkpoint, others do not begin.
 
         All are still handed out by :meth:`next`, those that did not finish with the error
-        :class:`pipeline.interrupts.Stopped`.
+        :class:`pipeline.running.interrupts.Stopped`.
         """
         ...
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 from typing import Any
 
 from pipeline.executors.protocol import Completion, Hear
-from pipeline.interrupts import Stopped
+from pipeline.running.interrupts import Stopped
 
 
 class SerialExecutor:

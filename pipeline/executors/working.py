@@ -12,7 +12,7 @@ from typing import Any
 
 from pipeline.errors import MyofilmError
 from pipeline.executors.agreement import Agreement, Findings
-from pipeline.interrupts import Stopped, stopped_by
+from pipeline.running.interrupts import Stopped, stopped_by
 
 Send = Callable[[bytes], None]
 

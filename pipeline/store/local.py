@@ -27,16 +27,16 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from pipeline.contents import state
 from pipeline.durable import opening, storing, write_atomically
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
+from pipeline.fingerprint.contents import state
 from pipeline.keys import SCHEMA, Ref
-from pipeline.locks import locked, sharing
 from pipeline.manifest import Manifest
 from pipeline.store.description import check_description
 from pipeline.store.labels import RunLabel
 from pipeline.store.local_upkeep import LocalUpkeep
+from pipeline.store.locks import locked, sharing
 from pipeline.store.quarantine import move_aside
 from pipeline.store.registers import Registers
 from pipeline.store.workspace import LocalWorkspace

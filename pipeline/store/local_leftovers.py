@@ -15,10 +15,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipeline.contents import state
 from pipeline.durable import remove_tree
-from pipeline.locks import try_lock
+from pipeline.fingerprint.contents import state
 from pipeline.store.folders import names
+from pipeline.store.locks import try_lock
 from pipeline.store.registers import UNSURE_DAYS, is_process
 from pipeline.store.upkeep import Leftover
 

@@ -10,17 +10,17 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.contents import state
 from pipeline.durable import remove_tree, storing, sync
 from pipeline.errors import StoreError
+from pipeline.fingerprint.contents import state
 from pipeline.keys import Ref
-from pipeline.locks import try_lock
 from pipeline.manifest import Manifest
 from pipeline.store import local_leftovers, tags
 from pipeline.store.catalogue import Row, catalogue
 from pipeline.store.folders import entries, names
 from pipeline.store.labels import RegisteredRun, RunLabel
 from pipeline.store.local_leftovers import REMOVED
+from pipeline.store.locks import try_lock
 from pipeline.store.registers import Registers
 from pipeline.store.upkeep import Leftover
 

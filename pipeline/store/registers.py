@@ -28,9 +28,9 @@ from pathlib import Path
 from pipeline.durable import sync
 from pipeline.errors import StoreError
 from pipeline.keys import Ref
-from pipeline.locks import try_lock
 from pipeline.store.folders import entries
 from pipeline.store.labels import RegisteredRun, RunLabel, from_json, to_json
+from pipeline.store.locks import try_lock
 
 KNOWN_AT_MOST = 200_000
 """References that a process remembers to have registered; more cost memory, fewer double lines."""

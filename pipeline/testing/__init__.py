@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-from pipeline.memory import MemoryHistory, MemoryRun, Stopped
 from pipeline.nodes import Stage
+from pipeline.running.memory import MemoryHistory, MemoryRun, Stopped
 
 __all__ = ["MemoryHistory", "MemoryRun", "Stopped", "interrupted_and_resumed"]
 

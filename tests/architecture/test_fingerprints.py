@@ -12,10 +12,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from pipeline.fingerprint.sources import Sources
+from pipeline.fingerprint.syntax import parsed
 from pipeline.keys import code_of, config_modules
 from pipeline.nodes import in_order
-from pipeline.sources import Sources
-from pipeline.syntax import parsed
 from workflows import registry
 from workflows.request import Request
 

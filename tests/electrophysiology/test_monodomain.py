@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.memory import MemoryRun
+from pipeline.running.memory import MemoryRun
 from stages.artefacts import ExcitableSurface
 from stages.electrophysiology.general_stepper import GeneralStepper
 from stages.electrophysiology.monodomain import build

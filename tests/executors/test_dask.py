@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from pipeline.cases import Case, CaseDone, CaseFailed
 from pipeline.errors import InputError, StageError
 from pipeline.events import CaseEvent, Event, StageHit, StageProgress, StageStarted, StageWarned
 from pipeline.executors import Executor
 from pipeline.executors.opening import opened
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node, StageRun, stage
-from pipeline.outcome import Outcome
 from pipeline.runner import run
+from pipeline.scheduling.cases import Case, CaseDone, CaseFailed
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from pipeline.store.labels import process_label
 from pipeline.sweep import sweep

@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 
-from pipeline.cases import Case, CaseDone
-from pipeline.checkpoints import Checkpoint
 from pipeline.errors import InputError
 from pipeline.executors import SerialExecutor
 from pipeline.executors.opening import THREADS, opened
-from pipeline.outcome import Outcome
+from pipeline.running.checkpoints import Checkpoint
+from pipeline.scheduling.cases import Case, CaseDone
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from pipeline.store.labels import process_label
 from pipeline.sweep import sweep

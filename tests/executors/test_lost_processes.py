@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from pipeline.cases import Case, CaseDone, CaseFailed, CaseResult
+from pipeline.computing.obtaining import Policy
 from pipeline.errors import StageError
 from pipeline.events import CaseEvent, Event, StageProgress, StageStarted
 from pipeline.executors.opening import opened
 from pipeline.executors.protocol import LostExecutor
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node, stage
-from pipeline.obtaining import Policy
 from pipeline.runner import run
+from pipeline.scheduling.cases import Case, CaseDone, CaseFailed, CaseResult
 from pipeline.store import LocalStore
 from pipeline.store.labels import process_label
 from pipeline.sweep import sweep

@@ -24,8 +24,8 @@ import numpy as np
 
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node
-from pipeline.outcome import Outcome
 from pipeline.runner import run
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from tests.faults.victims import Ending, Victim
 from tests.pipeline import toy

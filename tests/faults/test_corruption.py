@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.checkpoints import ChunkFiles
 from pipeline.durable import sync_tree
 from pipeline.errors import StoreError
 from pipeline.events import Event, StageStarted, StageWarned
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node, source_node
 from pipeline.runner import run
+from pipeline.running.checkpoints import ChunkFiles
 from pipeline.store import LocalStore
 from pipeline.verification import DamagedError
 from tests.faults.damages import CHUNK, DAMAGES, UNREAD, Damage, flipped, told

@@ -144,7 +144,7 @@ from pipeline.events import StageStarted
 from pipeline.runner import run
 from pipeline.store import LocalStore
 from tests.faults.test_disks import plan
-import pipeline.execution, zarr, h5py
+import pipeline.computing.execution, zarr, h5py
 store = LocalStore({store!r})
 nodes = plan()
 run({{"mesh": nodes["mesh"]}}, store)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from pipeline.memory import MemoryRun
+from pipeline.running.memory import MemoryRun
 from pipeline.testing import interrupted_and_resumed
 from stages.artefacts import Equilibria, Laminate, Layer, MidSurface, StressSamples
 from stages.mechanics.actions.points import functions_over

@@ -13,8 +13,8 @@ import zarr
 from pydantic import ValidationError
 
 from pipeline.errors import StageError
-from pipeline.memory import MemoryRun, Stopped
 from pipeline.runner import run as compute
+from pipeline.running.memory import MemoryRun, Stopped
 from pipeline.store import LocalStore
 from stages.artefacts import Laminate, Layer, MidSurface, StressSamples
 from stages.geometry.config import FilmConfig, GeometryStageConfig, MeshConfig

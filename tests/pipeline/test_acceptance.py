@@ -12,9 +12,9 @@ import pytest
 
 from pipeline.events import StageStarted, StageWarned
 from pipeline.manifest import Manifest
-from pipeline.outcome import Outcome
 from pipeline.plan import Acceptable, Changed, Hit, explain
 from pipeline.runner import run
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from pipeline.verification import DamagedError
 

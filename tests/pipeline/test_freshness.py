@@ -202,7 +202,8 @@ def test_compiled_code_that_is_clearly_younger_than_its_source_is_kept(
     (compiled,) = (scaling / "__pycache__").glob("factor.*.pyc")
     first = compiled.stat()
     output(
-        f"import pipeline, pipeline.loaded as loaded\nloaded.DOUBTFUL_NS = 0\n{code}", **compiling
+        f"import pipeline, pipeline.fingerprint.loaded as loaded\nloaded.DOUBTFUL_NS = 0\n{code}",
+        **compiling,
     )
     assert compiled.stat().st_mtime_ns == first.st_mtime_ns
     output(f"import pipeline\n{code}", **compiling)  # it was compiled within two seconds

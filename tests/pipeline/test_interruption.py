@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline import checkpoints, interrupts, storerun
 from pipeline.errors import StageError, StoreError
 from pipeline.events import (
     Event,
@@ -26,6 +25,7 @@ from pipeline.events import (
 from pipeline.manifest import hash_files
 from pipeline.nodes import Node, StageRun, stage
 from pipeline.runner import run
+from pipeline.running import checkpoints, interrupts, storerun
 from pipeline.store import LocalStore
 from tests.pipeline import toy
 
@@ -34,7 +34,7 @@ Start = Callable[..., subprocess.Popen[str]]
 # Runs the wave slowly and prints each frame, so that the test can kill it at a known place.
 SLOW = """
 import sys
-from pipeline import storerun
+from pipeline.running import storerun
 from pipeline.events import *
 from pipeline.runner import run
 from tests.pipeline.test_interruption import *

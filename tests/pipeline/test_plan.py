@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from pipeline.plan import Changed, Hit, Missing, Pending, Verdict, explain
-from pipeline.reasons import ABSENT, CodeChanged, ConfigChanged, InputChanged
+from pipeline.plan.reasons import ABSENT, CodeChanged, ConfigChanged, InputChanged
 from pipeline.runner import run
 from pipeline.store import LocalStore
 from tests.pipeline import toy

@@ -76,8 +76,8 @@ def test_a_history_is_written_in_chunks_of_64_frames(store: LocalStore) -> None:
 
 
 def test_memory_holds_one_chunk_however_long_the_history(store: LocalStore) -> None:
-    from pipeline.frames import FrameShapes
-    from pipeline.streams import StoredHistory
+    from pipeline.running.frames import FrameShapes
+    from pipeline.running.streams import StoredHistory
 
     frames = FrameShapes(toy.Wave, 1000, {"potential": (toy.POINTS,), "energy": ()})
     history = StoredHistory(store.path / "record.zarr", frames, None)
@@ -88,7 +88,7 @@ def test_memory_holds_one_chunk_however_long_the_history(store: LocalStore) -> N
 
 @pytest.mark.filterwarnings("error")
 def test_a_frame_too_large_for_its_stored_type_becomes_infinite_without_a_warning() -> None:
-    from pipeline.frames import FrameShapes
+    from pipeline.running.frames import FrameShapes
 
     frames = FrameShapes(toy.Wave, 1, {"potential": (2,), "energy": ()})
     frame = frames.checked({"potential": [1e300, 1.0], "energy": 1e300}, 0)

@@ -12,10 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline import sources
-from pipeline.fingerprint import Fingerprint, fingerprint
-from pipeline.source_cache import SourceCache
-from pipeline.syntax import SourceFile, parsed
+from pipeline.fingerprint import Fingerprint, fingerprint, sources
+from pipeline.fingerprint.source_cache import SourceCache
+from pipeline.fingerprint.syntax import SourceFile, parsed
 
 FILES = {
     "__init__.py": "",
@@ -175,8 +174,8 @@ def test_a_cache_that_has_grown_large_is_begun_anew(package: Path, process: Proc
 APPEND = """
 import sys
 from pathlib import Path
-from pipeline.source_cache import SourceCache
-from pipeline.syntax import SourceFile
+from pipeline.fingerprint.source_cache import SourceCache
+from pipeline.fingerprint.syntax import SourceFile
 cache = SourceCache(Path("cache.txt"))
 for i in range(100):
     name = f"{WHO}-{i}"
@@ -199,7 +198,7 @@ names = st.text(st.characters(categories=["Ll", "Lu", "Nd"]), min_size=1)
 
 @given(st.none() | st.just("9df8008d121f127be5ae22d468fc2fec163e3ee1"), st.lists(names))
 def test_what_is_read_back_is_what_was_kept(digest: str | None, imports: list[str]) -> None:
-    from pipeline.source_cache import _line, _read
+    from pipeline.fingerprint.source_cache import _line, _read
 
     source = SourceFile(digest, tuple(imports))
     assert _read(_line("0123", source).removesuffix(b"\n")) == source

@@ -359,7 +359,7 @@ def test_a_lock_is_held_by_one_process_and_names_it(
 ) -> None:
     publish(store, example())
     code = (
-        "import sys, time\nfrom pathlib import Path\nfrom pipeline.locks import locked\n"
+        "import sys, time\nfrom pathlib import Path\nfrom pipeline.store.locks import locked\n"
         f"with locked(Path({str(store.path / 'locks' / 'k')!r}), 'mesh', print):\n"
         "    print('held'); time.sleep(60)"
     )

@@ -12,15 +12,15 @@ from typing import Any
 
 import pytest
 
-from pipeline.cases import Case, CaseDone, CaseFailed
 from pipeline.errors import StageError
 from pipeline.events import CaseEvent, Event, StageHit, StageStarted, StageStopping
 from pipeline.executors import Completion, Executor, SerialExecutor
 from pipeline.executors.protocol import Hear
-from pipeline.interrupts import Stopped
 from pipeline.nodes import Node, stage
-from pipeline.outcome import Outcome
 from pipeline.runner import run
+from pipeline.running.interrupts import Stopped
+from pipeline.scheduling.cases import Case, CaseDone, CaseFailed
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from pipeline.sweep import sweep
 from pipeline.task import Task
@@ -197,7 +197,7 @@ def test_cases_are_finished_one_after_the_other_in_one_process(store: LocalStore
 def test_no_more_cases_wait_for_a_shared_result_than_fit(
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("pipeline.scheduling.OPEN", 5)
+    monkeypatch.setattr("pipeline.scheduling.schedule.OPEN", 5)
     taken = []
 
     def cases() -> Iterator[Case]:

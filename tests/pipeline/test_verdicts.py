@@ -7,15 +7,16 @@ from typing import Any
 
 import pytest
 
-from pipeline import checkpoint_summary, plan, provenance
-from pipeline.checkpoint_summary import CheckpointSummary, summary
-from pipeline.checkpoints import Checkpoint
+from pipeline import provenance
 from pipeline.errors import StageError
-from pipeline.plan import Changed, Damaged, Hit, Missing, Pending, explain
-from pipeline.reasons import ABSENT, ConfigChanged, config_changes
+from pipeline.plan import Changed, Damaged, Hit, Missing, Pending, explain, explaining
+from pipeline.plan.reasons import ABSENT, ConfigChanged, config_changes
 from pipeline.runner import run
+from pipeline.running import checkpoint_summary
+from pipeline.running.checkpoint_summary import CheckpointSummary, summary
+from pipeline.running.checkpoints import Checkpoint
+from pipeline.running.streams import SavedStream
 from pipeline.store import LocalStore
-from pipeline.streams import SavedStream
 from tests.pipeline import toy
 
 
@@ -54,7 +55,7 @@ def test_the_same_request_by_other_code_is_nearer_than_another_request_by_this_c
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run(nodes(gain=1.0), store)
-    real = plan.fingerprint_of
+    real = explaining.fingerprint_of
 
     def edited(*arguments: Any) -> Any:
         code = real(*arguments)
@@ -62,7 +63,7 @@ def test_the_same_request_by_other_code_is_nearer_than_another_request_by_this_c
         return type(code)("edited", modules, code.bare)
 
     run(nodes(gain=2.0), store)
-    monkeypatch.setattr(plan, "fingerprint_of", edited)
+    monkeypatch.setattr(explaining, "fingerprint_of", edited)
     (mesh, wave) = explain(nodes(gain=1.0), store)
     assert isinstance(mesh, Changed)
     assert isinstance(wave, Changed)
@@ -72,7 +73,7 @@ def test_the_same_request_by_other_code_is_nearer_than_another_request_by_this_c
 def test_only_the_latest_results_are_compared_with(
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(plan, "COMPARED", 2)
+    monkeypatch.setattr(explaining, "COMPARED", 2)
     for gain in (1.0, 2.0, 3.0):
         run(nodes(gain=gain, frames=10 if gain == 1.0 else 11), store)
     read = []

@@ -7,7 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from pipeline.memory import MemoryRun
+from pipeline.running.memory import MemoryRun
 from stages.artefacts import Deformation, Equilibria, MidSurface
 from stages.numerics.bsplines import Array
 from stages.numerics.patches import Patch

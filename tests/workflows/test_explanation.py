@@ -11,7 +11,7 @@ from pipeline import keys
 from pipeline.canonical import canonical, leaves
 from pipeline.fingerprint import Fingerprint
 from pipeline.nodes import in_order
-from pipeline.reasons import CodeChanged
+from pipeline.plan.reasons import CodeChanged
 from tests.workflows.conftest import invoke
 from workflows import registry
 from workflows.explanation import _edits

@@ -134,12 +134,12 @@ def note(event, arguments):
     if event == "open" and isinstance(arguments[0], str):
         opened[os.path.abspath(arguments[0])] += 1
 sys.addaudithook(note)
-import pipeline.sources
-parsed = pipeline.sources.parsed
+import pipeline.fingerprint.sources
+parsed = pipeline.fingerprint.sources.parsed
 def counted(contents, package):
     opened["<parsed>"] += 1
     return parsed(contents, package)
-pipeline.sources.parsed = counted
+pipeline.fingerprint.sources.parsed = counted
 from workflows.cli import app
 try:
     app(sys.argv[1:], prog_name="myofilm")

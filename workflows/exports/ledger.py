@@ -15,7 +15,7 @@ from typing import Any
 
 from pipeline.canonical import digest
 from pipeline.fingerprint import fingerprint
-from pipeline.sources import Sources
+from pipeline.fingerprint.sources import Sources
 from workflows.exports.files import write_text
 
 NAME = "exports.json"

@@ -11,10 +11,10 @@ from pipeline.archive.form import Header
 from pipeline.archive.reading import Contents, check
 from pipeline.archive.taking_in import Taken, take_in
 from pipeline.errors import InputError, StoreError
+from pipeline.fingerprint.sources import Sources
 from pipeline.keys import Ref
 from pipeline.manifest import Manifest
 from pipeline.provenance import version_changes
-from pipeline.sources import Sources
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
 from workflows.progress import size

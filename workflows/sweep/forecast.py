@@ -10,7 +10,7 @@ from pipeline.keys import Ref
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
 from pipeline.plan import statement_of
-from pipeline.reasons import UNKNOWN, nearest
+from pipeline.plan.reasons import UNKNOWN, nearest
 from pipeline.store import Store
 from pipeline.task import Codes
 from workflows.sweep.identity import Identities

@@ -17,7 +17,7 @@ from workflows.sweep.design import CaseSettings
 from workflows.workflow import Quantity
 
 if TYPE_CHECKING:
-    from pipeline.outcome import Outcome
+    from pipeline.scheduling.outcome import Outcome
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from workflows.sweep.results import Column, Results
 from workflows.sweep.tables import tidy, write_csv, write_parquet
 
 if TYPE_CHECKING:
-    from pipeline.outcome import Outcome
+    from pipeline.scheduling.outcome import Outcome
     from workflows.request import Request
 
 PICTURE = "cases.png"

@@ -8,11 +8,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from pipeline.computing.obtaining import Policy
 from pipeline.errors import InputError, MyofilmError
 from pipeline.executors import Executor
 from pipeline.fingerprint import fingerprint
 from pipeline.nodes import Node, in_order
-from pipeline.obtaining import Policy
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
 from pipeline.sweep import Case, CaseDone, CaseFailed, CaseResult, sweep

@@ -14,8 +14,8 @@ from threading import RLock
 
 from pipeline.durable import remove_tree, storing
 from pipeline.keys import Ref
-from pipeline.locks import try_lock
 from pipeline.manifest import sha256
+from pipeline.store.locks import try_lock
 from pipeline.store.remote.markers import Marker
 from pipeline.verification import DamagedError, size_problem, wrong_checksum
 

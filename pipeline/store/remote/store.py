@@ -18,10 +18,10 @@ from pipeline.durable import opening, storing
 from pipeline.errors import InputError, StoreError
 from pipeline.events import Holder
 from pipeline.keys import SCHEMA, Ref
-from pipeline.locks import locked
 from pipeline.manifest import Manifest
 from pipeline.store.description import check_description
 from pipeline.store.labels import RunLabel
+from pipeline.store.locks import locked
 from pipeline.store.remote import leases
 from pipeline.store.remote import mirror as mirrors
 from pipeline.store.remote.clock import ServerClock

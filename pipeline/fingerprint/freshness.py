@@ -6,8 +6,8 @@ import sys
 
 from pipeline.errors import StageError
 from pipeline.fingerprint import Fingerprint
-from pipeline.loaded import loaded_content
-from pipeline.sources import Sources, known_source
+from pipeline.fingerprint.loaded import loaded_content
+from pipeline.fingerprint.sources import Sources, known_source
 
 NAMED = 3
 """Modules that a message names; another branch checked out may change dozens."""

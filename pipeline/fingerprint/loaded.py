@@ -18,7 +18,7 @@ from importlib.machinery import PathFinder
 from importlib.util import cache_from_source
 from typing import Any
 
-from pipeline.contents import content_id
+from pipeline.fingerprint.contents import content_id
 
 DOUBTFUL_NS = 2_000_000_000
 """Time stamps of files may be so coarse; compiling a module takes less."""

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.frames import FrameShapes
+from pipeline.running.frames import FrameShapes
 
 R = TypeVar("R")
 

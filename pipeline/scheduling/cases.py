@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from pipeline.computing.obtaining import Obtained
 from pipeline.fingerprint import Fingerprint
 from pipeline.manifest import InputEntry
 from pipeline.nodes import Node, Part, in_order, source_node
-from pipeline.obtaining import Obtained
-from pipeline.outcome import Outcome
+from pipeline.scheduling.outcome import Outcome
 from pipeline.store import Store
 from pipeline.task import Codes
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.durable import files_below, storing, write_atomically
 from pipeline.manifest import sha256
 from pipeline.provenance import processor, versions
-from pipeline.streams import SavedStream
+from pipeline.running.streams import SavedStream
 
 
 class UnusableCheckpoint(ValueError):  # noqa: N818 - the name says what is wrong

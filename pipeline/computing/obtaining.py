@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pipeline.events import Listener, StageHit, StageWaiting, StageWarned
 from pipeline.keys import Ref, Statement
 from pipeline.manifest import InputEntry, Manifest
+from pipeline.plan.reasons import nearest
 from pipeline.provenance import version_changes
-from pipeline.reasons import nearest
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
 from pipeline.task import Task
@@ -93,7 +93,7 @@ def look(
         If it is damaged, unless such are to be computed again.
     """
     if policy.recompute_damaged:
-        from pipeline.mending import find_sound
+        from pipeline.computing.mending import find_sound
 
         manifest = find_sound(name, ref, store, tell, policy.label)
     else:
@@ -129,12 +129,12 @@ def obtain(task: Task, store: Store, policy: Policy, *, tell: Listener) -> Obtai
         waited = time.perf_counter() - began
         found = look(task.name, ref, store, tell)
         if found is None and policy.accept_code:
-            from pipeline.acceptance import accepted
+            from pipeline.plan.acceptance import accepted
 
             if (other := accepted(task, store, work, tell)) is not None:
                 return Obtained.of(other, hit=True)
         if found is None:
-            from pipeline.execution import execute
+            from pipeline.computing.execution import execute
 
             manifest = execute(task, store, work, tell, policy.checkpoint_interval, waited)
             return Obtained.of(manifest, hit=False)

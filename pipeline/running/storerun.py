@@ -10,18 +10,18 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.checkpoints import Checkpoint, ChunkFiles, UnusableCheckpoint, keep_only
 from pipeline.codecs import part_path
 from pipeline.durable import storing, sync_tree
 from pipeline.errors import StoreError
 from pipeline.events import Event, Listener, StageProgress, StageTold, StageWarned
 from pipeline.fingerprint import Fingerprint
-from pipeline.frames import FrameShapes
-from pipeline.freshness import check_loaded
-from pipeline.interrupts import Interrupts
+from pipeline.fingerprint.freshness import check_loaded
 from pipeline.records import parts_of, stored_as
+from pipeline.running.checkpoints import Checkpoint, ChunkFiles, UnusableCheckpoint, keep_only
+from pipeline.running.frames import FrameShapes
+from pipeline.running.interrupts import Interrupts
+from pipeline.running.streams import StoredHistory
 from pipeline.store import Workspace
-from pipeline.streams import StoredHistory
 
 R = TypeVar("R")
 

@@ -20,8 +20,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from pipeline import syntax
-from pipeline.syntax import SourceFile
+from pipeline.fingerprint import syntax
+from pipeline.fingerprint.syntax import SourceFile
 
 LARGEST = 1_000_000
 """Bytes from which the file is begun anew: some two thousand entries, ten states of this project."""

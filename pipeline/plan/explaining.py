@@ -8,16 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pipeline.checkpoint_summary import CheckpointSummary, summary
 from pipeline.fingerprint import Fingerprint
+from pipeline.fingerprint.sources import Sources
 from pipeline.keys import Ref, Statement, code_of, statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
-from pipeline.provenance import version_changes
-from pipeline.reasons import UNKNOWN, code_changes, nearest
-from pipeline.sources import Sources
-from pipeline.store import Store
-from pipeline.verdicts import (
+from pipeline.plan.reasons import UNKNOWN, code_changes, nearest
+from pipeline.plan.verdicts import (
     Acceptable,
     Changed,
     Damaged,
@@ -27,23 +24,10 @@ from pipeline.verdicts import (
     Pending,
     Verdict,
 )
+from pipeline.provenance import version_changes
+from pipeline.running.checkpoint_summary import CheckpointSummary, summary
+from pipeline.store import Store
 from pipeline.verification import DamagedError
-
-__all__ = [
-    "Acceptable",
-    "Changed",
-    "Damaged",
-    "Forecast",
-    "Hit",
-    "Missing",
-    "Pending",
-    "Verdict",
-    "explain",
-    "fingerprint_of",
-    "input_entries",
-    "statement_of",
-]
-
 
 COMPARED = 256
 """Latest results of a stage that a plan compares with; a study leaves thousands of them."""
@@ -146,7 +130,7 @@ def _obtainable(
         return Hit(name, stated.stage, stated.key, manifest, _versions(manifest))
     if not accept_code:
         return None
-    from pipeline.acceptance import acceptable
+    from pipeline.plan.acceptance import acceptable
 
     other = acceptable(stated, store)
     if other is None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from pipeline.checkpoint_summary import CheckpointSummary
 from pipeline.manifest import Manifest
-from pipeline.reasons import CodeChanged, Reason
+from pipeline.plan.reasons import CodeChanged, Reason
+from pipeline.running.checkpoint_summary import CheckpointSummary
 
 
 @dataclass(frozen=True)

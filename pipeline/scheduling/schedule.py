@@ -13,7 +13,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from pipeline.cases import Case, CaseDone, CaseFailed, CaseResult, OpenCase
+from pipeline.computing.obtaining import Obtained, Policy, expected_seconds, look, obtain
 from pipeline.errors import StageError
 from pipeline.events import (
     CaseEvent,
@@ -25,11 +25,11 @@ from pipeline.events import (
     StageStopping,
 )
 from pipeline.executors.protocol import Completion, Executor, LostJob
-from pipeline.interrupts import Interrupts
-from pipeline.obtaining import Obtained, Policy, expected_seconds, look, obtain
-from pipeline.outcome import Outcome
 from pipeline.plan import statement_of
-from pipeline.recent import Recent
+from pipeline.running.interrupts import Interrupts
+from pipeline.scheduling.cases import Case, CaseDone, CaseFailed, CaseResult, OpenCase
+from pipeline.scheduling.outcome import Outcome
+from pipeline.scheduling.recent import Recent
 from pipeline.store import Store
 from pipeline.task import Codes, Task
 

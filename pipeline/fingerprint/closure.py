@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from pipeline.canonical import digest
 from pipeline.errors import InputError
-from pipeline.sources import Sources
+from pipeline.fingerprint.sources import Sources
 
 
 @dataclass(frozen=True)

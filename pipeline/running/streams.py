@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.codecs import tree
 from pipeline.codecs.zarr_codec import GroupWriter, create_array, open_group
 from pipeline.durable import storing
-from pipeline.frames import FrameShapes
 from pipeline.records import field_metadata
+from pipeline.running.frames import FrameShapes
 from pipeline.runs import FRAMES_PER_CHUNK
 
 R = TypeVar("R")

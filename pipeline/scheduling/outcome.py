@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.computing.obtaining import Obtained
 from pipeline.keys import Ref
 from pipeline.manifest import Manifest
-from pipeline.obtaining import Obtained
 from pipeline.store import Store
 
 
@@ -88,6 +88,6 @@ class Outcome:
         StoreError
             If it cannot be read or is damaged.
         """
-        from pipeline.loading import load_result
+        from pipeline.computing.loading import load_result
 
         return load_result(self.store, self.ref, self.record, part)

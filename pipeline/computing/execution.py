@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.codecs import save
+from pipeline.computing.loading import load_result
 from pipeline.durable import remove_tree, storing
 from pipeline.errors import MyofilmError, StageError, StoreError
 from pipeline.events import Listener, StageFailed, StageFinished, StageStarted, StageStopping
-from pipeline.freshness import check_loaded
-from pipeline.interrupts import deferred_interrupts
+from pipeline.fingerprint.freshness import check_loaded
+from pipeline.fingerprint.sources import locate
 from pipeline.keys import Ref, Statement
-from pipeline.loading import load_result
 from pipeline.manifest import Manifest, content_ids, hash_files, whole_content
 from pipeline.provenance import environment
 from pipeline.records import WHOLE
-from pipeline.sources import locate
+from pipeline.running.interrupts import deferred_interrupts
+from pipeline.running.storerun import StoreRun
 from pipeline.store import Store, Workspace
-from pipeline.storerun import StoreRun
 from pipeline.task import Task
 from pipeline.threads import one_blas_thread
 from pipeline.verification import telling_damage

@@ -20,7 +20,7 @@ from pipeline.errors import StoreError
 from pipeline.events import Listener, StageHit, StageWarned
 from pipeline.keys import SCHEMA, Statement
 from pipeline.manifest import InputEntry, Manifest
-from pipeline.reasons import code_changes
+from pipeline.plan.reasons import code_changes
 from pipeline.store import Store, Workspace
 from pipeline.task import Task
 from pipeline.verification import DamagedError

@@ -8,10 +8,10 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from pipeline.contents import content_id, package_of
 from pipeline.errors import InputError
-from pipeline.source_cache import SourceCache, cache_file
-from pipeline.syntax import SourceFile, parsed
+from pipeline.fingerprint.contents import content_id, package_of
+from pipeline.fingerprint.source_cache import SourceCache, cache_file
+from pipeline.fingerprint.syntax import SourceFile, parsed
 
 Entries = dict[str, bool]
 """Names in a folder, and whether each is a file."""
