@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.codecs import tree
-from pipeline.durable import write_atomically
 
 R = TypeVar("R")
 
@@ -24,13 +23,14 @@ def save(path: Path, record: Any) -> None:
     """Write a record as a file.
 
     HDF5 builds it in memory: a full disk then fails in our own writing, as an ``OSError``. Inside HDF5
-    it fails at some flush or close, with whatever exception and message that leads to.
+    it fails at some flush or close, with whatever exception and message that leads to. Publishing forces
+    it to the disk, with all else.
     """
     with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
         tree.write(record, _Writer(file))
         file.flush()
         image = file.id.get_file_image()
-    write_atomically(path, image)
+    path.write_bytes(image)
 
 
 def load(path: Path, record: type[R], checksums: Mapping[str, str]) -> R:

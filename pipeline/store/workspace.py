@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from pipeline.durable import remove_tree, storing, sync, sync_tree
@@ -42,8 +43,7 @@ class LocalWorkspace:
         with storing(self.folder):
             (self.folder / "manifest.json").write_bytes(manifest.to_json())
             sync_tree(self.folder)
-            self.target.parent.mkdir(parents=True, exist_ok=True)
-            sync(self.target.parent.parent)
+            _make_durable(self.target.parent)
             try:
                 os.rename(self.folder, self.target)
             except OSError as error:
@@ -56,3 +56,15 @@ class LocalWorkspace:
             remove_tree(self.checkpoint.parent)
             note(self.target.parents[2] / INDEX, manifest, stamp(self.target))
         return manifest
+
+
+def _make_durable(folder: Path) -> None:
+    """Make a folder; if another process did, its entry may not be on the disk yet."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _sync_entry(folder, folder.stat().st_ino)
+
+
+@lru_cache
+def _sync_entry(folder: Path, inode: int) -> None:
+    """Force the entry of a folder to the disk, once a process: an entry that is there stays."""
+    sync(folder.parent)
