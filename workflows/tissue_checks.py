@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 
 from stages.electrophysiology.config import ElectrophysiologyConfig
-from stages.electrophysiology.front import Front, tissue_front
-from stages.electrophysiology.limits import Excitation, excitation
+from stages.electrophysiology.front import tissue_front
+from stages.electrophysiology.limits import excitation
 from stages.electrophysiology.stimuli.base import Stimulus
 from stages.geometry.config import FilmConfig
 from workflows.film_checks import stimulus_off_the_film, unfit_meshes
@@ -40,7 +39,7 @@ def too_coarse(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str
     The distance between points is their mean one, the side over elements + degree - 1. The front is the
     narrowest that the tissue carries, from 10 to 90 % of its rise; tissue that carries none is let pass.
     """
-    front = _front(_Tissue(cells))
+    front = tissue_front(cells)
     if front is None or cells.allow_coarse_mesh:
         return
     sides = (film.length, film.width)
@@ -58,38 +57,6 @@ def too_coarse(film: FilmConfig, cells: ElectrophysiologyConfig) -> Iterator[str
             return
 
 
-class _Tissue:
-    """Cells that equal others if their upstroke and the front that they carry are the same."""
-
-    def __init__(self, cells: ElectrophysiologyConfig) -> None:
-        self.cells = cells
-        self._carrying = (
-            cells.cell_model,
-            cells.initial_potential,
-            cells.conductivity,
-            cells.transverse_conductivity,
-            cells.membrane_capacitance,
-        )
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Tissue) and self._carrying == other._carrying
-
-    def __hash__(self) -> int:
-        return hash(self._carrying)
-
-
-@lru_cache(maxsize=1000)
-def _front(tissue: _Tissue) -> Front | None:
-    """The front, remembered: a sweep may check thousands of configurations with the same cells."""
-    return tissue_front(tissue.cells)
-
-
-@lru_cache(maxsize=1000)
-def _excitation(tissue: _Tissue) -> Excitation | None:
-    """The upstroke, remembered likewise."""
-    return excitation(tissue.cells)
-
-
 def fewest_elements(side: float, degree: int, width: float) -> int:
     """Elements along a side that put enough points across a front of a width.
 
@@ -103,7 +70,7 @@ def fewest_elements(side: float, degree: int, width: float) -> int:
 
 def threshold_out_of_reach(cells: ElectrophysiologyConfig) -> Iterator[str]:
     """An activation threshold that action potentials of these cells do not cross from below."""
-    found, threshold = _excitation(_Tissue(cells)), cells.activation_threshold
+    found, threshold = excitation(cells), cells.activation_threshold
     if found is None or found.start < threshold < found.peak:
         return
     middle = round(0.5 * (found.start + found.peak))
@@ -118,7 +85,7 @@ def tip_potential_out_of_reach(
     cells: ElectrophysiologyConfig, level: float | None
 ) -> Iterator[str]:
     """A potential (mV) that is to tell the tips of spirals, but that these cells do not pass through."""
-    found = _excitation(_Tissue(cells))
+    found = excitation(cells)
     if level is None or found is None or found.start < level < found.peak:
         return
     yield (

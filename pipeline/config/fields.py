@@ -35,6 +35,10 @@ class Choice(Protocol):
         ...
 
 
+ITEMS = 100
+"""Items of a list or dict whose declarations are kept."""
+
+
 @dataclass(frozen=True)
 class Declared:
     """Declaration of a value: its type, its unit (that of the field it is in) and its choice.
@@ -95,7 +99,16 @@ class Declared:
 
     def item(self, place: int | str) -> Declared:
         """Declaration of an item of a list or dict."""
-        return replace(self, hint=item_hints(self.hint, place), choice=None).opened()
+        found = self._items.get(place)
+        if found is None:
+            found = replace(self, hint=item_hints(self.hint, place), choice=None).opened()
+            if len(self._items) < ITEMS:
+                self._items[place] = found
+        return found
+
+    @cached_property
+    def _items(self) -> dict[int | str, Declared]:
+        return {}
 
     def literals(self) -> list[Any]:
         """Values on offer, if only certain ones are allowed."""

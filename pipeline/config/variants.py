@@ -114,10 +114,11 @@ class Variants(Generic[M]):
     ) -> dict[str, Any] | None:
         """Table of a section; only the fields that change are converted, and validated, anew."""
         tables = laid_over(section, (self.tables[name], changes))
-        whole = any(
+        has_library = any(
             (choice := declared.any_choice()) and choice.library
             for _, declared in fields_of(section)
         )
+        whole = has_library and not all(_is_plain(section, field) for field in changes)
         part = tables if whole else {field: tables[field] for field in changes}
         read, problems = self._read({name: part})
         if problems:
@@ -127,7 +128,15 @@ class Variants(Generic[M]):
         kept: Mapping[str, Any] = self._converted[name]
         if name not in self._needing_tables:
             kept = vars(getattr(self.common, name))
+        elif not whole:
+            kept = {**kept, **self._libraries(name, section)}
         return {**{field: kept[field] for field in tables if field not in changes}, **read[name]}
+
+    def _libraries(self, name: str, section: type[BaseModel]) -> dict[str, Any]:
+        """Tables of named models in a section, validated: that takes longer than all else in it."""
+        valid = getattr(self.common, name)
+        fields = [field for field, declared in fields_of(section) if declared.origins() == [dict]]
+        return {field: getattr(valid, field) for field in fields if field in self._converted[name]}
 
     def _validate(self, name: str, section: type[BaseModel], data: Any, key: str) -> Any:
         found = self._validated.get((name, key))
@@ -149,6 +158,15 @@ def _section(model: type[BaseModel], name: str) -> type[BaseModel] | None:
     if declared is None or len(declared.members()) != 1 or declared.choice is not None:
         return None
     return next(iter(declared.models()), None)
+
+
+def _is_plain(model: type[BaseModel], name: str) -> bool:
+    """Whether a field holds a number, a text or a truth value: no other field's meaning hangs on it."""
+    declared = Declared.of(model, name)
+    return declared is not None and set(declared.origins()) <= _PLAIN
+
+
+_PLAIN = {int, float, bool, str, type(None)}
 
 
 def _unsectioned(model: type[M], sections: Mapping[str, Any]) -> type[M]:

@@ -15,9 +15,10 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from stages.electrophysiology.cell_models.base import equations_of
+from stages.electrophysiology.cell_models.base import CellModel, equations_of
 
 if TYPE_CHECKING:
     from stages.electrophysiology.config import ElectrophysiologyConfig
@@ -28,6 +29,8 @@ SCAN = 600
 """Intervals in which the excited potential is looked for."""
 INTERVALS = 300
 """Steps of the integration from rest to the excited potential."""
+REMEMBERED = 1000
+"""Cells whose fronts are remembered: a sweep checks thousands of tissues that are made of the same ones."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,11 @@ class Front:
         """Time in which the front passes a point, 10 to 90 %, ms."""
         return self.width / self.speed
 
+    def in_tissue(self, diffusivity: float) -> Front:
+        """The same cells' front for D/C_m = ``diffusivity``, mm^2/ms, where this one is for 1 mm^2/ms."""
+        scale = math.sqrt(diffusivity)
+        return Front(self.speed * scale, self.width * scale)
+
 
 def tissue_front(config: ElectrophysiologyConfig) -> Front | None:
     """Front of the configured tissue at rest; none where it carries none.
@@ -60,15 +68,17 @@ def tissue_front(config: ElectrophysiologyConfig) -> Front | None:
     (Mitchell-Schaeffer), 2 % (FitzHugh-Nagumo), and are 7 to 13 % larger for Bueno-Orovio, whose fast gate
     closes in the upstroke.
     """
-    model = config.cell_model
+    front = _cell_front(config.cell_model, config.initial_potential)
+    conductivity = min(config.conductivity, config.transverse_conductivity or math.inf)
+    return front and front.in_tissue(conductivity / config.membrane_capacitance)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _cell_front(model: CellModel, rest: float) -> Front | None:
+    """Front for D/C_m = 1 mm^2/ms."""
     equations = equations_of(model)
     states, constants = model.initial_states(), model.constants()
-    conductivity = min(config.conductivity, config.transverse_conductivity or math.inf)
-    return plane_front(
-        lambda v: equations.ionic_current(v, states, constants),
-        config.initial_potential,
-        conductivity / config.membrane_capacitance,
-    )
+    return plane_front(lambda v: equations.ionic_current(v, states, constants), rest, 1.0)
 
 
 def plane_front(current: Callable[[float], float], rest: float, diffusivity: float) -> Front | None:
@@ -112,8 +122,7 @@ def plane_front(current: Callable[[float], float], rest: float, diffusivity: flo
     assert climbed is not None
     inside = climbed[INTERVALS // 10 : INTERVALS - INTERVALS // 10 + 1]
     width = sum(0.5 * dv * (1 / a + 1 / b) for a, b in itertools.pairwise(inside))
-    scale = math.sqrt(diffusivity)
-    return Front(high * scale, width * scale)
+    return Front(high, width).in_tissue(diffusivity)
 
 
 def _excited(current: Callable[[float], float], rest: float) -> float | None:

@@ -6,9 +6,10 @@ Plain Python on the model's own functions, quick enough for reading a configurat
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stages.electrophysiology.cell_models.base import CellEquations, equations_of
+from stages.electrophysiology.cell_models.base import CellEquations, CellModel, equations_of
 from stages.electrophysiology.tension_laws.base import TensionLaw, tension_rate
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ HIGHEST = 250.0
 
 LONGEST = 1000.0
 """ms for which an action potential is followed at most."""
+
+REMEMBERED = 1000
+"""Cells whose estimates are remembered: a sweep checks thousands of tissues that are made of the same ones."""
 
 
 class Excitation(NamedTuple):
@@ -43,7 +47,11 @@ class Excitation(NamedTuple):
 
 def excitation(config: CellConfig) -> Excitation | None:
     """Upstroke of the cells of a tissue; None if there is no inward current above rest."""
-    model, start = config.cell_model, config.initial_potential
+    return _excitation(config.cell_model, config.initial_potential)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _excitation(model: CellModel, start: float) -> Excitation | None:
     equations, states, constants = equations_of(model), model.initial_states(), model.constants()
     levels = [start + 0.5 * i for i in range(1, int(2 * HIGHEST) + 1)]
     inward = [-equations.ionic_current(v, states, constants) for v in levels]
@@ -80,14 +88,12 @@ def decay(config: CellConfig) -> Decay:
     The midpoint rule with steps of at most 2 mV and half a decay time; for cells without an inward current
     the state at rest alone.
     """
-    model, law = config.cell_model, config.tension_law
+    return _decay(config.cell_model, config.tension_law, config.initial_potential)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _decay(model: CellModel, law: TensionLaw, start: float) -> Decay:
     equations, constants = equations_of(model), model.constants()
-    found = excitation(config)
-    y = (config.initial_potential, *model.initial_states())
-    slopes = _decay_at(equations, constants, y)
-    fastest = Decay(slopes[0], max(slopes[1:], default=0.0), _stress_decay(law, y[0]))
-    if found is None:
-        return fastest
 
     def rates(y: tuple[float, ...]) -> tuple[float, ...]:
         return (
@@ -96,18 +102,24 @@ def decay(config: CellConfig) -> Decay:
         )
 
     def moved(y: tuple[float, ...], step: float, k: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(a + step * b for a, b in zip(y, k, strict=True))
+        return tuple([a + step * b for a, b in zip(y, k, strict=True)])
 
+    y = (start, *model.initial_states())
+    slopes = _decay_at(equations, constants, y, rates(y))
+    fastest = Decay(slopes[0], max(slopes[1:], default=0.0), _stress_decay(law, y[0]))
+    found = _excitation(model, start)
+    if found is None:
+        return fastest
     y, time = (found.steepest, *y[1:]), 0.0
     repolarised = found.start + 0.1 * (found.peak - found.start)
     while y[0] > repolarised and time < LONGEST:
-        slopes = _decay_at(equations, constants, y)
+        k = rates(y)
+        slopes = _decay_at(equations, constants, y, k)
         fastest = Decay(
             max(fastest.potential, slopes[0]),
             max(fastest.states, max(slopes[1:], default=0.0)),
             max(fastest.stress, _stress_decay(law, y[0])),
         )
-        k = rates(y)
         step = min(2.0 / max(abs(k[0]), 1e-9), 0.5 / max(*slopes, 0.1))
         y, time = moved(y, step, rates(moved(y, 0.5 * step, k))), time + step
     return fastest
@@ -122,19 +134,25 @@ def n_steps_needed(config: ElectrophysiologyConfig) -> int | None:
     return None if config.step <= longest else math.ceil(config.duration / longest)
 
 
-def _decay_at(equations: CellEquations, constants: Any, y: tuple[float, ...]) -> list[float]:
-    """-d(dy_i/dt)/dy_i of potential and gates; the smaller of both sides, which skips switches."""
+def _decay_at(
+    equations: CellEquations, constants: Any, y: tuple[float, ...], k: tuple[float, ...]
+) -> list[float]:
+    """-d(dy_i/dt)/dy_i of potential and gates; the smaller of both sides, which skips switches.
 
-    def rate(i: int, y: tuple[float, ...]) -> float:
-        if i == 0:
-            return -equations.ionic_current(y[0], y[1:], constants)
-        return equations.state_rates(y[0], y[1:], constants)[i - 1]
-
-    def side(i: int, by: float) -> float:
-        moved = (*y[:i], y[i] + by, *y[i + 1 :])
-        return (rate(i, y) - rate(i, moved)) / by
-
-    return [min(side(i, by), side(i, -by)) for i, by in enumerate((1e-3, *[1e-6] * (len(y) - 1)))]
+    ``k`` are the rates dy/dt.
+    """
+    v, gates = y[0], y[1:]
+    by = 1e-3
+    upper = -equations.ionic_current(v + by, gates, constants)
+    lower = -equations.ionic_current(v - by, gates, constants)
+    found = [min((k[0] - upper) / by, (lower - k[0]) / by)]
+    by = 1e-6
+    for i, (gate, rate) in enumerate(zip(gates, k[1:], strict=True)):
+        before, after = gates[:i], gates[i + 1 :]
+        upper = equations.state_rates(v, (*before, gate + by, *after), constants)[i]
+        lower = equations.state_rates(v, (*before, gate - by, *after), constants)[i]
+        found.append(min((rate - upper) / by, (lower - rate) / by))
+    return found
 
 
 def _stress_decay(law: TensionLaw, v: float) -> float:

@@ -45,6 +45,24 @@ def test_the_fastest_decay_of_the_cubic_current_is_the_one_at_its_peak() -> None
     assert found.stress == pytest.approx(1.0, rel=1e-6)
 
 
+def test_tissues_of_the_same_cells_are_estimated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten thousand conductivities are checked before a sweep: their cells are followed once."""
+    new = CELL.model_copy(update={"k_v": 7.9})
+    asked = []
+    constants = type(new).constants
+
+    def counted(model: CellModel) -> NamedTuple:
+        asked.append(model)
+        return constants(model)
+
+    monkeypatch.setattr(type(new), "constants", counted)
+    for conductivity in (0.001, 0.002, 0.003):
+        config = electrophysiology_config(cell_model=new, conductivity=conductivity)
+        found = decay(config), excitation(config), tissue_front(config)
+        assert None not in found
+    assert len(asked) == 3  # one for each estimate
+
+
 def plateau(tissue: ElectrophysiologyConfig, n_steps: int) -> Array:
     """Potential of uniform tissue, step by step over 100 ms from the steepest point of the upstroke."""
     config = tissue.model_copy(update={"n_steps": n_steps, "duration": 100.0, "stimuli": ()})

@@ -32,6 +32,8 @@ FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "electrophysiology.stimuli.0.start": st.sampled_from([0.0, 1.0]),
     "electrophysiology.stimuli": st.sampled_from(["S1", "S1, S2"]),
     "electrophysiology.tension_law": st.sampled_from(["goektepe-kuhl", "nash-panfilov"]),
+    "electrophysiology.conductivity": st.floats(0.001, 0.004),
+    "electrophysiology.initial_potential": st.sampled_from([-81.0, "-79 mV"]),
     "electrophysiology.preset": st.sampled_from(["economical"]),
     "postprocessing.mid_axis": st.sampled_from(["centre", 1.0, 5.0]),
     "activation.scale": st.floats(-1.0, 2.0),
