@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from pipeline.events import Listener, StageHit, StageWaiting, StageWarned
+from pipeline.events import Holder, Listener, StageHit, StageWaiting, StageWarned
 from pipeline.keys import Ref, Statement
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.plan.reasons import nearest
@@ -124,7 +124,10 @@ def obtain(task: Task, store: Store, policy: Policy, *, tell: Listener) -> Obtai
     if (found := look(task.name, ref, store, tell)) is not None:
         return found
     began = time.perf_counter()
-    waiting = lambda holder: tell(StageWaiting(task.name, ref.stage, ref.key, holder))  # noqa: E731
+
+    def waiting(holder: Holder) -> None:
+        tell(StageWaiting(task.name, ref.stage, ref.key, holder))
+
     with store.writing(ref, waiting) as work:
         waited = time.perf_counter() - began
         found = look(task.name, ref, store, tell)

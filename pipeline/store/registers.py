@@ -151,15 +151,16 @@ class Registers:
         new = path.with_suffix(f".{os.getpid()}.new")
         while True:
             path.parent.mkdir(parents=True, exist_ok=True)
-            try:
+            with contextlib.ExitStack() as stack, contextlib.suppress(FileNotFoundError):
+                # It is not there if another process removed the empty folder just now.
                 descriptor = os.open(new, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+                stack.callback(os.close, descriptor)
                 os.write(descriptor, json.dumps(to_json(label)).encode())
                 os.fsync(descriptor)
                 try_lock(descriptor, fcntl.LOCK_EX)
                 os.rename(new, path)
-            except FileNotFoundError:
-                continue  # another process removed the empty folder just now
-            return descriptor
+                stack.pop_all()
+                return descriptor
 
     def _runs_in(self, folder: Path) -> Iterator[RegisteredRun]:
         for entry in entries(folder):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -25,6 +26,7 @@ from pipeline.store.labels import (
     runs_called,
     to_json,
 )
+from pipeline.store.registers import Registers
 from pipeline.testing.stores import example, publish
 from tests.pipeline import toy
 
@@ -266,3 +268,29 @@ def test_descriptors_of_finished_runs_are_closed(store: LocalStore) -> None:
         store.begin(label)
         store.finish(label)
     assert len(os.listdir("/dev/fd")) == before
+
+
+def test_a_run_that_could_not_be_begun_holds_no_file_open(
+    store: LocalStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rename, calls = os.rename, []
+
+    def removed_once(source: Path, target: Path) -> None:
+        calls.append(target)
+        if len(calls) == 1:
+            raise FileNotFoundError(target)  # another process removed the empty folder just now
+        if len(calls) == 2:
+            raise OSError(errno.ENOSPC, "no space left on device")
+        rename(source, target)
+
+    descriptors = Path("/proc/self/fd")
+    if not descriptors.is_dir():
+        pytest.skip("this system does not list open files")
+    monkeypatch.setattr("pipeline.store.registers.os.rename", removed_once)
+    registers = Registers(store.path / "runs")
+    before = len(list(descriptors.iterdir()))
+    with pytest.raises(OSError, match="no space"):
+        registers.begin(RunLabel("one", named=True))
+    assert len(list(descriptors.iterdir())) == before
+    registers.begin(RunLabel("one", named=True))
+    assert len(list(descriptors.iterdir())) == before + 1

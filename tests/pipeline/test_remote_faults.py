@@ -21,6 +21,8 @@ from pipeline.keys import SCHEMA
 from pipeline.manifest import hash_files
 from pipeline.runner import run
 from pipeline.store import LocalStore, RunLabel
+from pipeline.store.cleaning import Limits
+from pipeline.store.collection import plan
 from pipeline.store.opening import open_store, remote_store
 from pipeline.store.remote import RemoteStore, fsspec_objects, read_cache
 from pipeline.store.remote.folder_objects import FolderObjects
@@ -465,3 +467,22 @@ def test_what_a_killed_removal_took_away_is_put_back_by_the_next_who_asks(
     assert store.find(manifest.ref, label) == manifest
     assert store.verify(manifest.ref, full=True) == ()
     assert store.objects.listing("removed") == {}
+
+
+def test_a_damaged_label_stops_a_collection_and_no_run(store: RemoteStore, tmp_path: Path) -> None:
+    """Nobody knows what that run keeps: what it asked for must not go."""
+    manifest = publish(store, example())
+    kept, other = RunLabel("kept", named=True), RunLabel("other")
+    for label in (kept, other):
+        store.begin(label)
+        assert store.find(manifest.ref, label) == manifest
+    (path,) = (tmp_path / "shared" / "runs" / kept.slug).rglob("label")
+    path.write_bytes(b"{")
+    with pytest.raises(StoreError, match="unreadable label of a run") as caught:
+        plan(store, Limits(unreachable=True))
+    assert f"{kept.slug}/{kept.generation}/label" in str(caught.value)
+    for label in (other, RunLabel("kept", named=True)):
+        store.begin(label)
+        store.finish(label)
+    assert path.exists()
+    assert store.find(manifest.ref, other) == manifest

@@ -12,11 +12,13 @@ Objects cannot be appended to, so each artefact has one of its own; no process r
 
 from __future__ import annotations
 
+import contextlib
 import json
 import threading
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.store.labels import RegisteredRun, RunLabel, from_json, to_json
 from pipeline.store.remote.clock import ServerClock
@@ -80,15 +82,23 @@ class RemoteRegisters:
             return
         there = self.objects.listing(f"runs/{label.slug}")
         others = {path: entry for path, entry in there.items() if not _is_in(path, folder)}
-        earlier = [
-            _folder(run.label)
-            for run in self._runs_of(others)
-            if run.label.generation < label.generation and not run.alive
-        ]
+        earlier: list[str] = []
+        with contextlib.suppress(StoreError):  # a damaged label is told to those who need it
+            earlier += [
+                _folder(run.label)
+                for run in self._runs_of(others)
+                if run.label.generation < label.generation and not run.alive
+            ]
         self._remove([path for path in others if any(_is_in(path, run) for run in earlier)])
 
     def runs(self) -> Iterator[RegisteredRun]:
-        """All runs, in no particular order."""
+        """All runs, in no particular order.
+
+        Raises
+        ------
+        StoreError
+            If a label is damaged: nobody knows then what that run keeps.
+        """
         return self._runs_of(self.objects.listing("runs"))
 
     def refs(self, label: RunLabel) -> Iterator[Ref]:
@@ -117,8 +127,12 @@ class RemoteRegisters:
             entries = found[path.rpartition("/")[0]]
             try:
                 label = from_json(json.loads(contents))
-            except ValueError:
-                continue
+            except ValueError as error:
+                raise StoreError(
+                    f"unreadable label of a run ({error})",
+                    path=f"{self.objects.location}/{path}",
+                    remedy="remove this object; what only that run kept may be removed then",
+                ) from error
             done, sign = entries.get("done"), entries.get("alive")
             alive = (
                 done is None
