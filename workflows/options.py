@@ -95,7 +95,8 @@ Cluster = Annotated[
     typer.Option(
         "--cluster",
         metavar="ADDRESS",
-        help="Compute on the workers of a running dask scheduler, such as tcp://10.0.0.1:8786; the store "
+        help="Compute on the workers of a running dask scheduler, such as tcp://10.0.0.1:8786, or the file "
+        "in which it tells its address; the store "
         "must be one that they all reach.",
     ),
 ]

@@ -13,6 +13,7 @@ from distributed import Client
 from distributed import Future as PlainFuture
 from distributed.client import FutureCancelledError
 from distributed.core import rpc
+from distributed.security import Security
 
 from pipeline.errors import InputError
 from pipeline.executors.agreement import Agreement, Findings
@@ -38,7 +39,8 @@ def connected(address: str, timeout: float) -> Client:
     """
 
     async def ask() -> None:
-        async with rpc(address) as scheduler:
+        security = Security().get_connection_args("client")  # TLS, as dask is configured
+        async with rpc(address, connection_args=security) as scheduler:
             await asyncio.wait_for(scheduler.identity(), timeout)
 
     # A client that fails to connect would linger on for seconds. In a notebook this thread has a loop.

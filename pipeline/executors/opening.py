@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import logging
+import os
 from collections.abc import Callable, Iterator
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from pipeline.errors import InputError, MyofilmError
 from pipeline.executors.protocol import Executor
 from pipeline.executors.serial import SerialExecutor
 from pipeline.store import Store
 from pipeline.store.labels import RunLabel
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 CONNECT = 5.0
 """Seconds in which a scheduler must answer."""
@@ -51,7 +57,8 @@ def opened(
     workers
         Local processes; ``None`` or 1 for this process alone.
     cluster
-        Address of a dask.distributed scheduler, for instance ``tcp://10.0.0.1:8786``.
+        Address of a dask.distributed scheduler, for instance ``tcp://10.0.0.1:8786``, or the file in
+        which it tells its address.
     store, label
         What the workers of a scheduler must see: the store, and in it the run.
     warn
@@ -72,6 +79,8 @@ def opened(
     if cluster is not None:
         executor = _on_cluster(cluster, store, label, warn)
     elif workers is not None and workers > 1:
+        if workers > (cores := _cores()):
+            warn(f"{workers} of them share {cores} cores, and are no faster than {cores}")
         executor = _on_local_workers(workers, warn)
     else:
         executor = SerialExecutor()
@@ -87,17 +96,53 @@ def _on_cluster(
     from pipeline.executors.dask import DaskExecutor
 
     _silence()
+    where = _address(address)  # before anything is written
     agreement = Agreement.here(store, label)
 
+    def connect() -> Client:
+        try:
+            return connected(_address(address), CONNECT)
+        except InputError as error:  # a scheduler that starts again has not written its file yet
+            raise OSError(str(error)) from error
+
     try:
-        return DaskExecutor(lambda: connected(address, CONNECT), agreement, warn=warn)
+        return DaskExecutor(connect, agreement, warn=warn)
     except MyofilmError:
         raise
     except Exception as error:  # whatever listens there may answer anything
         raise InputError(
-            f"no dask scheduler answers at {address!r} ({_cause(error)}); give the address that "
-            "`dask scheduler` tells, such as tcp://10.0.0.1:8786"
+            f"no dask scheduler answers at {where!r} ({_cause(error)}); give the address that "
+            "`dask scheduler` tells, such as tcp://10.0.0.1:8786, or its --scheduler-file"
         ) from error
+
+
+def _address(cluster: str) -> str:
+    """The address, read from a scheduler file if that is given.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or a TLS address without certificates.
+    """
+    if "://" in cluster or not (cluster.endswith(".json") or os.path.sep in cluster):
+        address = cluster
+    else:
+        try:
+            address = str(json.loads(Path(cluster).read_bytes())["address"])
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                f"--cluster {cluster} is no scheduler file ({_cause(error)}); give the file that `dask "
+                "scheduler --scheduler-file` writes, or an address such as tcp://10.0.0.1:8786"
+            ) from error
+    import dask.config
+
+    if address.startswith("tls://") and not dask.config.get("distributed.comm.tls.ca-file", None):
+        raise InputError(
+            f"the scheduler at {address} wants TLS, and no certificates are configured; set "
+            "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, ..__CLIENT__CERT and ..__CLIENT__KEY "
+            "(docs/cluster.md)"
+        )
+    return address
 
 
 def _on_local_workers(workers: int, warn: Callable[[str], None]) -> Executor:
@@ -124,6 +169,13 @@ def _on_local_workers(workers: int, warn: Callable[[str], None]) -> Executor:
         warn=warn,
         on_close=lambda: cluster.close(timeout=5),
     )
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _silence() -> None:

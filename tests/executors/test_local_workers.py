@@ -115,6 +115,36 @@ def test_each_worker_has_one_core(tmp_path: Path) -> None:
     assert found == 6 * [THREADS]
 
 
+def test_a_scheduler_file_tells_the_address(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pipeline.executors.opening.CONNECT", 0.5)
+    file = tmp_path / "scheduler.json"
+    store = LocalStore(tmp_path / "store")
+    for contents, message in (
+        ('{"address": "tcp://127.0.0.1:1"}', "no dask scheduler answers at 'tcp://127.0.0.1:1'"),
+        ("{}", "is no scheduler file.*address"),
+    ):
+        file.write_text(contents)
+        with (
+            pytest.raises(InputError, match=message),
+            opened(None, str(file), store, process_label()),
+        ):
+            pass
+
+
+def test_more_workers_than_cores_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeline.executors.opening._cores", lambda: 2)
+    monkeypatch.setattr(
+        "pipeline.executors.opening._on_local_workers", lambda workers, warn: SerialExecutor()
+    )
+    lines: list[str] = []
+    for workers in (2, 3):
+        with opened(workers, None, LocalStore(tmp_path), process_label(), lines.append):
+            pass
+    assert lines == ["3 of them share 2 cores, and are no faster than 2"]
+
+
 def test_one_worker_is_this_process(tmp_path: Path) -> None:
     store = LocalStore(tmp_path / "store")
     for workers in (None, 1):
@@ -132,6 +162,8 @@ def test_one_worker_is_this_process(tmp_path: Path) -> None:
             "nonsense://x",
             "no dask scheduler answers at 'nonsense://x'.*unknown address scheme",
         ),
+        (None, "tls://127.0.0.1:1", "wants TLS, and no certificates are configured"),
+        (None, "nowhere.json", "nowhere.json is no scheduler file.*No such file"),
         (None, "tcp://127.0.0.1:1", "no dask scheduler answers at 'tcp://127.0.0.1:1'.*in 0.5 s"),
     ],
 )
