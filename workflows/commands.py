@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflows.progress import on_terminal, watching
 from workflows.registry import ENTRIES
@@ -16,6 +17,9 @@ from workflows.ways import USUAL, Way
 from workflows.workflow import check_limits
 
 if TYPE_CHECKING:
+    from pipeline.nodes import Node
+    from pipeline.runner import Outcome
+    from pipeline.store import Store
     from workflows.workflow import Quantity
 
 
@@ -46,28 +50,12 @@ def carry_out(
     LimitError
         If a quantity exceeds its limit; everything has been written then.
     """
-    from pipeline.runner import run
     from workflows.exports.outputs import write_outputs
-    from workflows.labels import label_of, registered
 
     nodes = request.nodes()
     kept = open_store(store)
     folder = output_folder(out)
-    label = label_of(way.name, folder, request.workflow.name, [request])
-    with registered(kept, label):
-        with (
-            way.executor(kept, label) as executor,
-            watching(quiet=way.quiet, verbose=way.verbose) as listen,
-        ):
-            outcomes = run(
-                nodes,
-                kept,
-                executor=executor,
-                listen=listen,
-                label=label,
-                recompute_damaged=way.recompute_damaged,
-                accept_code=way.accept_code,
-            )
+    with _computed(request, nodes, kept, folder, way) as outcomes:
         quantities = write_outputs(request, outcomes, folder)
     if not way.quiet:
         _tell_results(request, quantities, folder)
@@ -91,10 +79,8 @@ def run_stage(
         If the output folder holds a whole run, whose summary would be lost.
     """
     from pipeline.errors import InputError
-    from pipeline.runner import run
     from workflows.exports.ledger import Ledger
     from workflows.exports.outputs import read_quantities, write_summary
-    from workflows.labels import label_of, registered
 
     request = Request.read(workflow, config, overrides)
     nodes = request.nodes(stage)
@@ -106,21 +92,7 @@ def run_stage(
             f"the output folder {folder} holds a whole run, and the summary of {stage} alone would "
             "replace its summary.json; choose another folder with --out"
         )
-    label = label_of(way.name, folder, request.workflow.name, [request])
-    with registered(kept, label):
-        with (
-            way.executor(kept, label) as executor,
-            watching(quiet=way.quiet, verbose=way.verbose) as listen,
-        ):
-            outcomes = run(
-                nodes,
-                kept,
-                executor=executor,
-                listen=listen,
-                label=label,
-                recompute_damaged=way.recompute_damaged,
-                accept_code=way.accept_code,
-            )
+    with _computed(request, nodes, kept, folder, way) as outcomes:
         quantities = {}
         if set(request.measured) <= outcomes.keys():
             quantities = read_quantities(request, outcomes, ledger)
@@ -131,6 +103,32 @@ def run_stage(
         place = kept.data(ref) if "://" not in kept.location else kept.where(ref)
         print(f"\nresult   {place}")
         print(f"summary  {folder / 'summary.json'}")
+
+
+@contextlib.contextmanager
+def _computed(
+    request: Request, nodes: Mapping[str, Node[Any]], store: Store, folder: Path, way: Way
+) -> Iterator[dict[str, Outcome]]:
+    """Outcomes of nodes; their run ends well when the block has written what it makes of them."""
+    from pipeline.runner import run
+    from workflows.labels import label_of, registered
+
+    label = label_of(way.name, folder, request.workflow.name, [request])
+    with registered(store, label):
+        with (
+            way.executor(store, label) as executor,
+            watching(quiet=way.quiet, verbose=way.verbose) as listen,
+        ):
+            outcomes = run(
+                nodes,
+                store,
+                executor=executor,
+                listen=listen,
+                label=label,
+                recompute_damaged=way.recompute_damaged,
+                accept_code=way.accept_code,
+            )
+        yield outcomes
 
 
 def list_all() -> None:

@@ -1,7 +1,9 @@
-"""Helpers for the tests of stages and stores.
+"""Helpers for the tests of stages, stores and executors.
 
-:func:`interrupted_and_resumed` shows that a stage continues where it was stopped; a store
-implementation inherits ``StoreConformance`` of :mod:`pipeline.testing.stores`.
+:func:`interrupted_and_resumed` shows that a stage continues where it was stopped. Tests of a store inherit
+``StoreConformance`` of :mod:`pipeline.testing.stores` and ``UpkeepConformance`` of
+:mod:`pipeline.testing.upkeep`, those of an executor ``ExecutorConformance`` of
+:mod:`pipeline.testing.executors`.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 from typing import get_args
 
@@ -54,3 +55,12 @@ def test_the_configuration_and_the_numerics_name_the_same_edges() -> None:
 def test_no_room_is_called_after_nothing() -> None:
     vague = {"utils.py", "helpers.py", "common.py", "misc.py"}
     assert not [path for path in FILES if path.name in vague]
+
+
+@pytest.mark.parametrize("package", ["pipeline", "workflows"])
+def test_every_room_is_on_the_map(package: str) -> None:
+    """Whoever wants to change something finds the folder in CONTRIBUTING.md."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    (plan,) = re.findall(rf"^{package}/ .*\n((?:  .*\n)+)", text, flags=re.MULTILINE)
+    rooms = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
+    assert rooms <= set(re.findall(r"([a-z_]+)/", plan))

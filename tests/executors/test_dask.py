@@ -23,6 +23,7 @@ from pipeline.scheduling.outcome import Outcome
 from pipeline.store import LocalStore
 from pipeline.store.labels import process_label
 from pipeline.sweep import sweep
+from pipeline.testing.executors import ExecutorConformance
 from tests.executors.clusters import Cluster, cluster
 from tests.pipeline import toy
 
@@ -42,6 +43,12 @@ def executor(two_workers: Cluster, store: LocalStore) -> Iterator[Executor]:
 @pytest.fixture
 def store(tmp_path: Path) -> LocalStore:
     return LocalStore(tmp_path / "store")
+
+
+class TestDaskExecutor(ExecutorConformance):
+    @pytest.fixture
+    def executor(self, executor: Executor) -> Executor:
+        return executor
 
 
 def plan(gain: float = 1.0, **waves: Any) -> dict[str, Node[Any]]:

@@ -39,7 +39,7 @@ def subject(store: Store, name: str) -> Subject:
         runs = runs_called(store.upkeep.runs(), name)
     except InputError as no_run:
         if not artefacts(store, name):
-            raise InputError(f"{no_run}; and no result in it has a key that starts so") from None
+            raise InputError(f"{no_run}. No key of a result starts with {name!r}, either") from None
         return Subject((), lineage(store, [artefact(store, name)]))
     used = dict.fromkeys(ref for run in runs for ref in store.upkeep.used_by(run.label))
     if not used:
