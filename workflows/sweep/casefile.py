@@ -41,8 +41,14 @@ def read_cases(path: Path, find: Callable[[str], Field]) -> Block:
     named = NAMES in headings
     columns = [i for i, heading in enumerate(headings) if heading != NAMES]
     parsed = [HEADING.fullmatch(headings[i]) for i in columns]
-    if not columns or not all(parsed):
-        raise InputError(f"{path}: the first row must name fields, such as mechanics.damping")
+    wrong = [headings[i] for i, match in zip(columns, parsed, strict=True) if not match]
+    if not columns or wrong:
+        what = f"; {wrong[0]!r} names none" if wrong else ""
+        raise InputError(
+            f"{path}: the first row must name fields, such as mechanics.damping or "
+            f"geometry.length [um]{what}"
+        )
+    _refuse_other_separators(path, headings)
     fields = tuple(find(match["path"]) for match in parsed if match)
     units = [match["unit"] or "" for match in parsed if match]
     rows, names = [], []
@@ -76,6 +82,16 @@ def _lines(path: Path) -> list[list[str]]:
     if not lines:
         raise InputError(f"{path} is empty; its first row must name fields")
     return lines
+
+
+def _refuse_other_separators(path: Path, headings: list[str]) -> None:
+    """Spreadsheets write semicolons or tabs where the comma is the sign for decimals."""
+    for sign, name in ((";", "semicolons"), ("\t", "tabs")):
+        if any(sign in heading for heading in headings):
+            raise InputError(
+                f"{path}: {name} separate its cells; separate them by commas, and write numbers "
+                "with a point"
+            )
 
 
 def _value(field: Field, unit: str, text: str) -> Scalar | None:

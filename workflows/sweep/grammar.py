@@ -134,8 +134,11 @@ def _range(field: Field, match: re.Match[str], about: str) -> Iterator[Scalar]:
     """Numbers from first to last, which is one of them if the steps meet it."""
     log, third = match[4] is not None, match[3]
     if third.startswith("#"):
+        count = third[1:].strip()
+        if not count.isdecimal():
+            raise InputError(f"{about}: {count!r} is no number of values; give one, such as #5")
         first, last = _numbers(field, match.group(1, 2), about)
-        return (_fitting(field, v, about) for v in _spaced(first, last, int(third[1:]), log, about))
+        return (_fitting(field, v, about) for v in _spaced(first, last, int(count), log, about))
     if log:
         raise InputError(f"{about}: a range with :log needs a count, FIRST:LAST:#COUNT:log")
     first, last, step = _numbers(field, match.group(1, 2, 3), about)
