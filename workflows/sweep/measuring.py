@@ -1,4 +1,4 @@
-"""Numbers of one case, read where its results are and handed back in place of these."""
+"""Numbers of one case, and what its stages warned of, read where its results are and handed back instead."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.config.variants import Variants
 from workflows import registry
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Measure:
-    """Reads the quantities of a case; picklable and small, since it goes where the stages run.
+    """Reads what a case gave; picklable and small, since it goes where the stages run.
 
     Attributes
     ----------
@@ -35,20 +35,38 @@ class Measure:
     workflow: str
     common: str
 
-    def __call__(
-        self, case: CaseSettings, outcomes: Mapping[str, Outcome]
-    ) -> dict[str, dict[str, Any]]:
-        """Fields of the quantities by name."""
+    def __call__(self, case: CaseSettings, outcomes: Mapping[str, Outcome]) -> Measured:
+        """The quantities and the warnings of a case."""
         variants = _variants(self.workflow, self.common)
         experiment = Experiment(variants.load(case.settings), lambda stage: outcomes[stage].load())
         with reading(outcomes.values()):
             found = registry.find(self.workflow).quantities(experiment)
-        return {name: dataclasses.asdict(quantity) for name, quantity in found.items()}
+        warnings = tuple(
+            f"{name}: {text}"
+            for name, outcome in outcomes.items()
+            for text in outcome.manifest.warnings
+        )
+        fields = {name: dataclasses.asdict(quantity) for name, quantity in found.items()}
+        return Measured(fields, warnings)
 
 
-def quantities_of(fields: Mapping[str, Mapping[str, Any]]) -> dict[str, Quantity]:
-    """The quantities made of these fields."""
-    return {name: Quantity(**one) for name, one in fields.items()}
+class Measured(NamedTuple):
+    """What comes back of a case.
+
+    Attributes
+    ----------
+    fields
+        Those of the quantities, by name.
+    warnings
+        What its stages warned of, whenever they were computed.
+    """
+
+    fields: Mapping[str, Mapping[str, Any]]
+    warnings: tuple[str, ...]
+
+    def quantities(self) -> dict[str, Quantity]:
+        """The quantities made of the fields."""
+        return {name: Quantity(**one) for name, one in self.fields.items()}
 
 
 @lru_cache(maxsize=4)

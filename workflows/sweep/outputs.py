@@ -69,6 +69,10 @@ def summary(results: Results) -> dict[str, Any]:
             }
             for name, stage in results.stages.items()
         },
+        "warnings": [
+            {"warning": text, "cases": [design.name(i) for i in cases]}
+            for text, cases in results.kinds_of_warnings()
+        ],
         "failed": [
             {"case": design.name(i), "parameters": design[i].values, "error": results.errors[i]}
             for i in sorted(results.errors)

@@ -12,12 +12,15 @@ from jinja2 import Environment, StrictUndefined
 from pipeline.config import describe
 from workflows.exports.files import write_text
 from workflows.progress import duration
+from workflows.sweep.design import Design
 from workflows.sweep.results import Column, Results
 from workflows.tables import number, parameter
 from workflows.version import version
 
 ROWS = 500
 """Cases that the page lists at most."""
+NAMES = 50
+"""Cases that it names for one warning at most."""
 COLUMNS = 8
 """Quantities in its table at most."""
 
@@ -69,6 +72,10 @@ def write_page(results: Results, folder: Path, files: Sequence[str], shown: str)
         failures=[
             {"case": str(design[i]), "error": results.errors[i]} for i in sorted(results.errors)
         ],
+        warnings=[
+            {"text": text, "cases": _named(design, cases), "count": len(cases)}
+            for text, cases in results.kinds_of_warnings()
+        ],
         stages=results.stages,
         picture=f"data:image/png;base64,{picture}",
         shown=shown,
@@ -80,6 +87,12 @@ def write_page(results: Results, folder: Path, files: Sequence[str], shown: str)
         ],
     )
     write_text(folder / "report.html", text)
+
+
+def _named(design: Design, cases: Sequence[int]) -> str:
+    """Names of cases, the first ones if there are many."""
+    more = ", ..." if len(cases) > NAMES else ""
+    return ", ".join(map(design.name, cases[:NAMES])) + more
 
 
 def _listed(columns: Sequence[Column]) -> list[Column]:

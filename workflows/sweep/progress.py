@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import sys
 import textwrap
 import time
@@ -13,13 +12,11 @@ from typing import TYPE_CHECKING, Protocol
 
 from pipeline.events import CaseEvent, Event, StageStopping, StageWarned
 from workflows.progress import SECONDS_BETWEEN_LINES, duration, on_terminal, told
+from workflows.sweep.kinds import kind_of
 from workflows.sweep.pace import Pace
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
-
-
-NUMBER = re.compile(r"\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 class Noteworthy:
@@ -40,7 +37,7 @@ class Noteworthy:
         """Line about an event, empty for those that say nothing about a sweep as a whole."""
         case, inner = (event.case, event.event) if isinstance(event, CaseEvent) else ("", event)
         if isinstance(inner, StageWarned):
-            kind = (inner.node, NUMBER.sub("#", inner.message))
+            kind = (inner.node, kind_of(inner.message))
             self._warned[kind] += 1
             self._first.setdefault(kind, inner.message)
             if self._warned[kind] > 1 and not self._verbose:

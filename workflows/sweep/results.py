@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
 
+from workflows.sweep.kinds import kind_of
 from workflows.sweep.study import Study
 from workflows.workflow import Quantity
 
@@ -78,6 +79,8 @@ class Results:
         Of each case that is done, by its number.
     errors
         Of each case that failed, by its number.
+    warnings
+        Of the stages of each case that is done and has some, by its number.
     stages
         What was done of each stage, each result counted once.
     """
@@ -85,6 +88,7 @@ class Results:
     study: Study
     quantities: dict[int, dict[str, Quantity]] = field(default_factory=dict)
     errors: dict[int, str] = field(default_factory=dict)
+    warnings: dict[int, tuple[str, ...]] = field(default_factory=dict)
     stages: dict[str, Stage] = field(default_factory=dict)
 
     @property
@@ -95,6 +99,18 @@ class Results:
             "done" if i in self.quantities else "failed" if i in self.errors else "open"
             for i in numbers
         ]
+
+    def kinds_of_warnings(self) -> list[tuple[str, list[int]]]:
+        """A warning of each kind, with the cases that have one; those of a kind differ in numbers only."""
+        first: dict[str, str] = {}
+        cases: dict[str, list[int]] = {}
+        for number in sorted(self.warnings):
+            for text in self.warnings[number]:
+                kind = kind_of(text)
+                first.setdefault(kind, text)
+                if number not in cases.setdefault(kind, []):
+                    cases[kind].append(number)
+        return [(text, cases[kind]) for kind, text in first.items()]
 
     def parameters(self) -> list[Column]:
         """Swept parameters, in the order in which they were given."""

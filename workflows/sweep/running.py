@@ -20,7 +20,7 @@ from pipeline.task import Codes
 from workflows.sweep.design import CaseSettings
 from workflows.sweep.forecast import Forecast
 from workflows.sweep.journal import Failure, Journal
-from workflows.sweep.measuring import Measure, quantities_of
+from workflows.sweep.measuring import Measure
 from workflows.sweep.outputs import write_case, write_results
 from workflows.sweep.pace import Pace
 from workflows.sweep.progress import Display, summary, watching_cases
@@ -169,7 +169,9 @@ class Sweep:
         case = self._study.design[number]
         if isinstance(result, CaseDone):
             error = None
-            self._results.quantities[number] = quantities_of(result.value)
+            self._results.quantities[number] = result.value.quantities()
+            if result.value.warnings:
+                self._results.warnings[number] = result.value.warnings
             self._journal.done(case.name, self._study.id_of(case))
             if self._each:
                 error = self._write_case(case, result)

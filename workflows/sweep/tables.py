@@ -12,16 +12,18 @@ from workflows.sweep.results import Cell, Column, Results
 
 
 def tidy(results: Results) -> list[Column]:
-    """Columns: name and state of the case, parameters, quantities, error."""
+    """Columns: name and state of the case, parameters, quantities, warnings, error."""
     design = results.study.design
     numbers = range(len(design))
     names: list[Cell] = [design.name(i) for i in numbers]
     errors: list[Cell] = [_one_line(results.errors.get(i)) for i in numbers]
+    warnings: list[Cell] = ["; ".join(results.warnings.get(i, ())) or None for i in numbers]
     return [
         Column("case", "", names),
         Column("status", "", results.statuses),
         *results.parameters(),
         *results.measured(),
+        *([Column("warnings", "", warnings)] if results.warnings else []),
         *([Column("error", "", errors)] if results.errors else []),
     ]
 

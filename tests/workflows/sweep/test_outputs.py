@@ -104,6 +104,26 @@ def test_the_summary_tells_ranges_and_failures(tmp_path: Path) -> None:
     assert failed["error"].startswith("no convergence")
 
 
+def test_warnings_of_stages_are_in_table_summary_and_report(tmp_path: Path) -> None:
+    made = results(study(*GRID))
+    made.warnings = {
+        2: ("mechanics: 6 elements are too few",),
+        9: ("mechanics: 4 elements are too few",),
+    }
+    write_results(made, tmp_path)
+    assert [row["warnings"] for row in table(tmp_path)][1:3] == [
+        "",
+        "mechanics: 6 elements are too few",
+    ]
+    assert json.loads((tmp_path / "summary.json").read_text())["warnings"] == [
+        {"warning": "mechanics: 6 elements are too few", "cases": ["03", "10"]}
+    ]
+    page = (tmp_path / "report.html").read_text()
+    assert "6 elements are too few" in page
+    assert "2 of 16 cases: 03, 10" in page
+    assert "4 elements are too few" not in page  # of the same kind
+
+
 @pytest.mark.parametrize(
     ("over", "more", "words"),
     [

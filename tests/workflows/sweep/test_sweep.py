@@ -112,6 +112,18 @@ def test_a_case_has_the_numbers_of_the_run_that_it_is(tiny: Desk, grid: dict[str
         assert float(row[f"{name} [{quantity['unit']}]"]) == quantity["value"]
 
 
+def test_the_report_tells_what_stages_warned_of_though_they_are_in_the_store(tiny: Desk) -> None:
+    strong = ("--over", "mechanics.damping=0.4,0.8", "--set", "activation.scale=200")
+    coarse = ("--set", "mechanics.elements=[3,2]", "--set", "mechanics.n_steps=4")
+    first = swept(tiny, "strong", *strong, *coarse)
+    again = swept(tiny, "strong", *strong, *coarse)
+    assert any("the mesh is too coarse" in one["warning"] for one in first["warnings"])
+    assert again["warnings"] == first["warnings"]
+    page = (tiny.folder / "strong" / "report.html").read_text(encoding="utf-8")
+    assert "What to be careful about" in page
+    assert all("the mesh is too coarse" in row["warnings"] for row in rows(tiny.folder / "strong"))
+
+
 def test_xarray_reads_quantities_over_the_parameters(tiny: Desk, grid: dict[str, Any]) -> None:
     xarray = pytest.importorskip("xarray")
     data = xarray.open_zarr(tiny.folder / "grid" / "sweep.zarr")
