@@ -22,7 +22,7 @@ from pipeline.manifest import hash_files
 from pipeline.runner import run
 from pipeline.store import LocalStore, RunLabel
 from pipeline.store.cleaning import Limits
-from pipeline.store.collection import plan
+from pipeline.store.collection import collect, plan
 from pipeline.store.opening import open_store, remote_store
 from pipeline.store.remote import RemoteStore, fsspec_objects, read_cache
 from pipeline.store.remote.folder_objects import FolderObjects
@@ -486,3 +486,24 @@ def test_a_damaged_label_stops_a_collection_and_no_run(store: RemoteStore, tmp_p
         store.finish(label)
     assert path.exists()
     assert store.find(manifest.ref, other) == manifest
+
+
+def test_what_was_set_aside_as_damaged_goes_when_it_is_old(
+    store: RemoteStore, tmp_path: Path
+) -> None:
+    ref = publish(store, example()).ref
+    aside = tmp_path / "shared" / "quarantine"
+    (path,) = (p for p in (tmp_path / "shared" / "data").rglob("*") if p.is_file())
+    path.write_bytes(b"other")
+    assert store.quarantine(ref) is not None
+    (left,) = store.upkeep.leftovers()
+    assert left.damaged
+    assert left.key == ref.key
+    assert left.size == sum(p.stat().st_size for p in aside.rglob("*") if p.is_file())
+    assert plan(store, Limits()).leftovers == []
+    old = plan(store, Limits(), now=left.changed + 31 * 86400)
+    assert [each for each, _ in old.leftovers] == [left]
+    publish(store, example())  # computed again meanwhile
+    assert collect(store, old) == ([], [left])
+    assert not [p for p in aside.rglob("*") if p.is_file()]
+    assert store.verify(ref, full=True) == ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -203,6 +204,11 @@ class Sweep:
         for _, node in in_order(nodes):
             if node.stage.name == stage:
                 return self._codes.of(node).digest
+        return self._reading
+
+    @cached_property
+    def _reading(self) -> str:
+        """Digest of the code that reads the numbers: thousands of cases may have failed in it."""
         return fingerprint(self._study.workflow.modules, ("workflows", "stages")).digest
 
 

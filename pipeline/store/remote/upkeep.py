@@ -130,7 +130,10 @@ class RemoteUpkeep:
         return True
 
     def leftovers(self) -> list[Leftover]:
-        """Work that was begun and not published, on this machine and in the store, sorted by name."""
+        """What is left on this machine and in the store, sorted by name.
+
+        That is work that was begun and not published, and what was set aside as damaged.
+        """
         groups: dict[str, dict[str, Entry]] = {}
         for path, entry in self.objects.listing("data").items():
             groups.setdefault("/".join(path.split("/")[:4]), {})[path] = entry
@@ -138,14 +141,18 @@ class RemoteUpkeep:
         groups = {name: files for name, files in groups.items() if name not in counted}
         for path, entry in self.objects.listing("checkpoints").items():
             groups.setdefault("/".join(path.split("/")[:3]), {})[path] = entry
+        aside: dict[str, dict[str, Entry]] = {}
+        for path, entry in self.objects.listing("quarantine").items():
+            aside.setdefault("/".join(path.split("/")[:3]), {})[path] = entry
         here = self._here.leftovers()
         published = {ref.key for ref in self.reader.listed()} if groups or here else set()
         there = [self._leftover(name, files, published) for name, files in groups.items()]
         here = [dataclasses.replace(one, published=one.key in published) for one in here]
+        there += [_set_aside(name, files) for name, files in aside.items()]
         return sorted(here + there, key=lambda one: one.name)
 
     def discard(self, leftover: Leftover) -> bool:
-        """Remove such work, unless a process works on it; gives whether it is gone."""
+        """Remove one of these, unless a process works on it; gives whether it is gone."""
         if "/" not in leftover.name:
             return self._here.discard(leftover)
         with contextlib.ExitStack() as stack:
@@ -221,6 +228,19 @@ class RemoteUpkeep:
             busy=self.leases.busy(key),
             published=key in published,
         )
+
+
+def _set_aside(name: str, files: dict[str, Entry]) -> Leftover:
+    return Leftover(
+        name=name,
+        key=name.rpartition("/")[2].partition(".")[0],
+        size=sum(entry.size for entry in files.values()),
+        changed=max(entry.modified for entry in files.values()),
+        resumable=False,
+        busy=False,
+        published=False,
+        damaged=True,
+    )
 
 
 def set_aside(objects: Objects, reader: Reader, ref: Ref, problems: Iterable[str]) -> str:
