@@ -24,7 +24,7 @@ from pipeline.store import LocalStore, RunLabel
 from pipeline.store.cleaning import Limits
 from pipeline.store.collection import collect, plan
 from pipeline.store.opening import open_store, remote_store
-from pipeline.store.remote import RemoteStore, fsspec_objects, read_cache
+from pipeline.store.remote import RemoteStore, fsspec_objects, index, read_cache
 from pipeline.store.remote.folder_objects import FolderObjects
 from pipeline.store.remote.objects import Entry
 from pipeline.testing.stores import example, publish
@@ -330,6 +330,26 @@ def test_listing_many_artefacts_asks_the_server_few_times(
     again = RemoteStore(objects, tmp_path / "elsewhere")
     assert len(again.upkeep.rows()) == 20
     assert objects.asked == ["read", "listing"]  # its version, and what there is
+
+
+def test_a_new_machine_lists_without_reading_each_manifest(
+    store: RemoteStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(index, "WORTH_SHARING", 3)
+    refs = [publish(store, example(gain=float(gain))).ref for gain in range(4)]
+    rows = RemoteStore(FolderObjects(tmp_path / "shared"), tmp_path / "one").upkeep.rows()
+    objects = Counting(tmp_path / "shared")
+    new = RemoteStore(objects, tmp_path / "other").upkeep
+    objects.asked.clear()
+    assert new.rows() == rows
+    assert objects.asked == ["listing", "read"]
+    store.upkeep.remove(refs[:1], tuple)
+    publish(store, example(), b"other contents")
+    assert {row.ref: row.size for row in new.rows()}[refs[1]] == 8
+    assert [row.ref for row in new.rows()] == list(store.refs())
+    (tmp_path / "shared" / "index.jsonl").write_bytes(b"[[[")
+    damaged = RemoteStore(FolderObjects(tmp_path / "shared"), tmp_path / "third").upkeep
+    assert damaged.rows() == new.rows()
 
 
 def test_a_hit_waits_for_the_server_twice_and_uses_are_noted_together(

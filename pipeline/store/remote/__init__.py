@@ -8,6 +8,7 @@ Layout below the URL::
     leases/<key>/<generation>                who computes the key; the highest generation counts
     checkpoints/<key>/<attempt>/...          copies of checkpoints
     runs/, usage/, tags/, removed/, quarantine/
+    index.jsonl                              what lists need of the manifests; a cache
 """
 
 from __future__ import annotations

@@ -15,11 +15,12 @@ from urllib.parse import quote, unquote
 
 from pipeline.errors import StoreError
 from pipeline.keys import Ref
-from pipeline.store.catalogue import Row, catalogue
+from pipeline.store.catalogue import Row
 from pipeline.store.labels import RegisteredRun, RunLabel
 from pipeline.store.local_upkeep import LocalUpkeep
 from pipeline.store.registers import Registers
 from pipeline.store.remote.folders import Folders
+from pipeline.store.remote.index import INDEX, rows
 from pipeline.store.remote.leases import Leases
 from pipeline.store.remote.markers import Marker, data_folder, marker_path
 from pipeline.store.remote.objects import Entry, Objects
@@ -52,13 +53,7 @@ class RemoteUpkeep:
 
     def rows(self) -> list[Row]:
         """All artefacts, sorted by stage and key; those whose manifest cannot be read say so."""
-        listed = self.reader.listed()
-        order = sorted(listed, key=lambda ref: (ref.stage, ref.key))
-        present = [(ref, f"{self.objects.location} {listed[ref].version}") for ref in order]
-        index = self.folders.path / "index.jsonl"
-        with contextlib.suppress(OSError):
-            index.parent.mkdir(parents=True, exist_ok=True)
-        return catalogue(index, present, lambda ref: self.reader.known(ref).manifest)
+        return rows(self.objects, self.reader, self.folders.path / INDEX)
 
     def last_uses(self) -> dict[Ref, float]:
         """When a run found each artefact last, by the server's clock; those never found are left out."""
