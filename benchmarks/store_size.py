@@ -119,9 +119,7 @@ def study(name: str, store: LocalStore, settings: list[str]) -> dict[str, Any]:
     fields = []
     for stage, field, array in arrays(store, refs):
         exact = np.asarray(array[...])
-        small -= sum(
-            p.stat().st_size for p in Path(str(array.store_path)[7:]).rglob("c/**/*") if p.is_file()
-        )
+        small -= sum(p.stat().st_size for p in Path(str(array.store_path)[7:]).glob("c.*"))
         record = Path(str(array.store_path)[7:]).parent
         kept = NARROWED.get((zarr.open_group(record, mode="r").attrs["record"], field), "float64")
         rounded = exact.astype("float32")

@@ -26,7 +26,7 @@ from pipeline.store.local_upkeep import INDEX
 MODULES = {f"stages.mechanics.module_{number}": f"{number:040x}" for number in range(60)}
 """As many as the mechanics has, whose manifests are the longest."""
 
-FILES = tuple(FileEntry(f"record.zarr/{n}/c/0/0", 1_000_000, f"{n:064x}") for n in range(12))
+FILES = tuple(FileEntry(f"record.zarr/{n}/c.0.0", 1_000_000, f"{n:064x}") for n in range(12))
 
 
 def manifest(number: int) -> Manifest:

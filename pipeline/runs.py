@@ -13,7 +13,7 @@ R = TypeVar("R")
 R_co = TypeVar("R_co", covariant=True)
 
 FRAMES_PER_CHUNK = 64
-"""Frames written together: measured as a good size for reading slices and series alike."""
+"""Frames of a field written together: measured as a good size for reading slices and series alike."""
 
 
 class History(Protocol[R_co]):

@@ -128,7 +128,7 @@ def is_inside(path: str) -> bool:
 
     Examples
     --------
-    >>> [is_inside(path) for path in ("record.zarr/time/c/0", "../x", "/x", "a/./b", "a\\\\b", "")]
+    >>> [is_inside(path) for path in ("record.zarr/time/c.0", "../x", "/x", "a/./b", "a\\\\b", "")]
     [True, False, False, False, False, False]
     """
     parts = path.split("/")

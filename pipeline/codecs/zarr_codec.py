@@ -5,6 +5,7 @@ Blosc compresses and a checksum follows, since a flipped bit would otherwise pas
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +25,9 @@ R = TypeVar("R")
 
 SMALL, LARGE = 1 << 20, 1 << 24
 """Bytes of an array that is kept in one chunk, and of a chunk of a larger one."""
+
+FEW = 24
+"""Bytes of a frame that holds three numbers at most; a history of such frames is one chunk, if small."""
 
 # Several threads append their blocks in the order in which they finish: the bytes would vary.
 numcodecs.blosc.use_threads = False
@@ -66,10 +70,18 @@ def create_array(
         chunks=chunks,
         compressors=[BloscCodec(cname="zstd", clevel=3, shuffle="shuffle"), Crc32cCodec()],
         fill_value=np.nan if dtype.kind in "fc" else 0,
+        # Files of an array side by side: a folder for each index would double what a file system counts.
+        chunk_key_encoding={"name": "default", "separator": "."},
         dimension_names=axes or None,
         attributes={"unit": unit} if unit else {},
         config={"write_empty_chunks": True},
     )
+
+
+def frames_per_chunk(count: int, shape: tuple[int, ...], dtype: np.dtype[Any]) -> int:
+    """Frames that are written together in a history of at most ``count`` frames of a shape."""
+    frame = math.prod(shape) * dtype.itemsize
+    return max(1, count) if frame <= FEW and count * frame <= SMALL else FRAMES_PER_CHUNK
 
 
 def _rows_per_chunk(values: NDArray[Any], axes: tuple[str, ...]) -> int:

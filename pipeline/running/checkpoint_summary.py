@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pipeline.provenance import processor, versions
+
+FORM = 2
+"""Form of checkpoints and of the histories that belong to them; the first one did not say so."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +51,20 @@ def summary(path: Path, key: str) -> CheckpointSummary | None:
             about = json.loads(_without_header(archive.read("about.npy")))
         frames = [int(count) for count in about["streams"].values()]
         found = CheckpointSummary(max(frames, default=None), float(about["seconds"]))
-        obstacle = _obstacle(about["key"], about["versions"], about["processor"], key)
+        obstacle = form_obstacle(about) or _obstacle(
+            about["key"], about["versions"], about["processor"], key
+        )
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, EOFError):
         return None
     return CheckpointSummary(found.frames, found.seconds, obstacle)
+
+
+def form_obstacle(about: Mapping[str, Any]) -> str:
+    """Why a checkpoint of this form cannot be gone on from; empty if it can."""
+    form = about.get("form", 1)
+    return "" if form == FORM else f"its form is {form}, not {FORM}: another version saved it"
 
 
 def _obstacle(of_key: str, of_versions: dict[str, str], of_processor: str, key: str) -> str:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pipeline.durable import files_below, storing, write_atomically
 from pipeline.manifest import sha256
 from pipeline.provenance import processor, versions
+from pipeline.running.checkpoint_summary import FORM, form_obstacle
 from pipeline.running.streams import SavedStream
 
 
@@ -60,6 +61,7 @@ class Checkpoint:
     def save(self, path: Path) -> None:
         """Write the checkpoint, replacing an earlier one."""
         about = {name: getattr(self, name) for name in _PLAIN}
+        about["form"] = FORM
         about["streams"] = {part: saved.frames_done for part, saved in self.streams.items()}
         arrays = {f"state/{name}": values for name, values in self.state.items()}
         for part, saved in self.streams.items():
@@ -86,6 +88,8 @@ class Checkpoint:
             with np.load(path, allow_pickle=False) as kept:
                 arrays = {name: kept[name] for name in kept.files}
             about = json.loads(arrays.pop("about").tobytes())
+            if obstacle := form_obstacle(about):
+                raise UnusableCheckpoint(obstacle)
             about["warnings"] = tuple(about["warnings"])
             found = cls(
                 state=_below("state/", arrays),
@@ -95,6 +99,8 @@ class Checkpoint:
                 },
                 **{name: about[name] for name in _PLAIN},
             )
+        except UnusableCheckpoint:
+            raise
         except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, zlib.error) as error:
             raise UnusableCheckpoint(f"it cannot be read ({error})") from error
         found._check(key, data)

@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.codecs import tree
-from pipeline.codecs.zarr_codec import GroupWriter, create_array, open_group
+from pipeline.codecs.zarr_codec import GroupWriter, create_array, frames_per_chunk, open_group
 from pipeline.durable import storing
 from pipeline.records import field_metadata
 from pipeline.running.frames import FrameShapes
-from pipeline.runs import FRAMES_PER_CHUNK
 
 R = TypeVar("R")
 
@@ -31,8 +30,8 @@ class SavedStream:
 class StoredHistory(Generic[R]):
     """A history in a zarr group.
 
-    Memory holds one chunk per field. Arrays are created with the first frame, whose types they take
-    unless the field declares another one.
+    Memory holds one chunk per field: 64 frames, or all of them if they hold few numbers. Arrays are
+    created with the first frame, whose types they take unless the field declares another one.
 
     Parameters
     ----------
@@ -49,6 +48,7 @@ class StoredHistory(Generic[R]):
         self._frames = frames
         self._buffers: dict[str, NDArray[Any]] = {}
         self._arrays: dict[str, Any] = {}
+        self._rows: dict[str, int] = {}
         self.frames_done = 0
         self.record: R | None = None
         with storing(path):
@@ -60,28 +60,29 @@ class StoredHistory(Generic[R]):
                 self.frames_done = saved.frames_done
 
     def append(self, **fields: ArrayLike) -> None:
-        """Add one frame of every streamed field; every 64th one writes a chunk."""
+        """Add one frame of every streamed field; one that fills a chunk writes it."""
         frame = self._frames.checked(fields, self.frames_done)
         if not self._buffers:
             with storing(self._path):
                 self._allocate({name: value.dtype for name, value in frame.items()})
-        place = self.frames_done % FRAMES_PER_CHUNK
         for name, value in frame.items():
-            self._buffers[name][place] = value
+            self._buffers[name][self._unwritten(name)] = value
         self.frames_done += 1
-        if place == FRAMES_PER_CHUNK - 1:
-            self._write(FRAMES_PER_CHUNK)
+        with storing(self._path):
+            for name, rows in self._rows.items():
+                if self.frames_done % rows == 0:
+                    self._write(name, rows)
 
     def flush(self) -> None:
-        """Write the frames of the unfinished chunk; it may be written again later."""
-        self._write(self.frames_done % FRAMES_PER_CHUNK)
+        """Write the frames of the unfinished chunks; these may be written again later."""
+        with storing(self._path):
+            for name in self._rows:
+                self._write(name, self._unwritten(name))
 
     def saved(self) -> SavedStream:
         """What a checkpoint must keep."""
-        rows = self.frames_done % FRAMES_PER_CHUNK
-        return SavedStream(
-            self.frames_done, {name: buffer[:rows] for name, buffer in self._buffers.items()}
-        )
+        kept = {name: rows[: self._unwritten(name)] for name, rows in self._buffers.items()}
+        return SavedStream(self.frames_done, kept)
 
     def finish(self, **fields: Any) -> R:
         """The record, from the streamed frames and the remaining fields."""
@@ -108,20 +109,23 @@ class StoredHistory(Generic[R]):
                     f"frames of {name!r} have shape {tuple(shape)}, but its axes are {axes}"
                 )
             unit = str(extra.get("unit", ""))
+            rows = self._rows[name] = frames_per_chunk(count, shape, dtypes[name])
             self._arrays[name] = create_array(
-                self._group, name, whole, dtypes[name], unit, axes, FRAMES_PER_CHUNK
+                self._group, name, whole, dtypes[name], unit, axes, rows
             )
-            self._buffers[name] = np.zeros((FRAMES_PER_CHUNK, *shape), dtypes[name])
+            self._buffers[name] = np.zeros((rows, *shape), dtypes[name])
 
     def _shorten(self) -> None:
         """Let the arrays end with the last frame."""
         for array in self._arrays.values():
             array.resize((self.frames_done, *array.shape[1:]))
 
-    def _write(self, rows: int) -> None:
-        if rows == 0:
-            return
-        start = self.frames_done - rows
-        with storing(self._path):
-            for name, buffer in self._buffers.items():
-                self._arrays[name][start : self.frames_done] = buffer[:rows]
+    def _unwritten(self, name: str) -> int:
+        """Frames of a field that are in no chunk yet."""
+        return self.frames_done % self._rows[name]
+
+    def _write(self, name: str, rows: int) -> None:
+        """Write the last rows of a field."""
+        if rows:
+            start = self.frames_done - rows
+            self._arrays[name][start : self.frames_done] = self._buffers[name][:rows]

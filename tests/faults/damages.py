@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-CHUNK = "record.zarr/potential/c/1/0"
+CHUNK = "record.zarr/potential/c.1.0"
 METADATA = "record.zarr/potential/zarr.json"
 TABLE = "surface.h5"
 
@@ -46,7 +46,7 @@ def foreign(path: Path) -> None:
 
 def swapped(path: Path) -> None:
     """A chunk in the place of another one: its own checksum is right."""
-    path.write_bytes((path.parent.parent / "0" / "0").read_bytes())
+    path.write_bytes((path.parent / "c.0.0").read_bytes())
 
 
 def rewritten(path: Path) -> None:
@@ -55,7 +55,7 @@ def rewritten(path: Path) -> None:
     import zarr
 
     size = path.stat().st_size
-    array: Any = zarr.open_array(path.parents[2], mode="r+")
+    array: Any = zarr.open_array(path.parent, mode="r+")
     first = array[64, 0]
     while True:
         array[64, 0] = first = np.nextafter(first, np.float32(np.inf))
@@ -92,7 +92,7 @@ DAMAGES: dict[str, Damage] = {
     "bit of array metadata": ("wave", f"data/{METADATA}", flipped, WRONG),
     "lost array metadata": ("wave", f"data/{METADATA}", removed, GONE),
     "lost array": ("wave", "data/record.zarr/potential", removed, f"{CHUNK} is missing"),
-    "foreign chunk": ("wave", "data/record.zarr/potential/c/9", foreign, "does not belong to it"),
+    "foreign chunk": ("wave", "data/record.zarr/potential/c.9", foreign, "does not belong to it"),
     "bit of a table": ("mesh", f"data/{TABLE}", flipped, WRONG),
     "end of a table": ("mesh", f"data/{TABLE}", shortened, SIZE),
     "table of zeros": ("mesh", f"data/{TABLE}", zeroed, WRONG),

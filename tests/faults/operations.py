@@ -94,7 +94,7 @@ def kind_of(path: str) -> str:
 
     Examples
     --------
-    >>> kind_of("tmp/8a3f/data/record.zarr/potential/c/0/0")
+    >>> kind_of("tmp/8a3f/data/record.zarr/potential/c.0.0")
     'chunk'
     >>> kind_of("objects/mesh/8a3f")
     'artefact'

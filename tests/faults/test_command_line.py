@@ -27,7 +27,7 @@ def test_a_damaged_result_ends_a_run_with_the_remedy_that_mends_it(
     first = json.loads((tmp_path / "out" / "summary.json").read_text())
     store = LocalStore(tmp_path / "store")
     (ref,) = store.refs("equilibrium")
-    flipped(next(store.data(ref).rglob("c/0/0")))
+    flipped(next(store.data(ref).rglob("c.0.0")))
     # The next run finds all it needs, and would not look at this byte, but a new picture does.
     for file in (tmp_path / "out").iterdir():
         file.unlink()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -203,7 +204,26 @@ def test_a_record_of_other_fields_is_not_read_wrongly(tmp_path: Path) -> None:
 def test_a_chunk_of_fill_values_is_written_like_any_other(tmp_path: Path) -> None:
     # A chunk that is not there would read the same, so a lost one could not be told from it.
     save(tmp_path, LazyTable(**{**values(), "points": np.full((4, 3), np.nan)}))
-    assert (tmp_path / "record.zarr" / "points" / "c" / "0" / "0").is_file()
+    assert (tmp_path / "record.zarr" / "points" / "c.0.0").is_file()
+
+
+def test_arrays_whose_chunks_lie_in_folders_as_earlier_versions_kept_them_can_be_read(
+    tmp_path: Path,
+) -> None:
+    save(tmp_path, LazyTable(**values()))
+    expected = load(tmp_path, LazyTable).points[...]
+    group = tmp_path / "record.zarr"
+    for metadata in (group / "points" / "zarr.json",):
+        about = json.loads(metadata.read_bytes())
+        assert about["chunk_key_encoding"]["configuration"] == {"separator": "."}
+        about["chunk_key_encoding"]["configuration"] = {"separator": "/"}
+        metadata.write_text(json.dumps(about))
+        for chunk in list(metadata.parent.glob("c.*")):
+            place = metadata.parent / chunk.name.replace(".", "/")
+            place.parent.mkdir(parents=True)
+            chunk.rename(place)
+    assert list(group.glob("points/c/0/0"))
+    np.testing.assert_array_equal(load(tmp_path, LazyTable).points[...], expected, strict=True)
 
 
 @pytest.mark.parametrize(
@@ -231,7 +251,7 @@ def test_small_arrays_are_one_chunk_and_large_ones_chunks_of_rows(
 
 def test_a_flipped_bit_in_a_chunk_does_not_pass(tmp_path: Path) -> None:
     save(tmp_path, LazyTable(**values()))
-    chunk = tmp_path / "record.zarr" / "points" / "c" / "0" / "0"
+    chunk = tmp_path / "record.zarr" / "points" / "c.0.0"
     contents = bytearray(chunk.read_bytes())
     contents[len(contents) // 2] ^= 1
     chunk.write_bytes(contents)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 from collections.abc import Callable
@@ -448,26 +449,38 @@ def spoil_key(checkpoint: Path, data: Path) -> None:
 
 
 def spoil_chunk(checkpoint: Path, data: Path) -> None:
-    chunk = data / "record.zarr" / "potential" / "c" / "0" / "0"
+    chunk = data / "record.zarr" / "potential" / "c.0.0"
     chunk.write_bytes(chunk.read_bytes()[:-1])
 
 
 def spoil_bit(checkpoint: Path, data: Path) -> None:
     # Nothing would notice it later: the manifest would state the checksum of the spoilt chunk.
-    chunk = data / "record.zarr" / "potential" / "c" / "0" / "0"
+    chunk = data / "record.zarr" / "potential" / "c.0.0"
     contents = bytearray(chunk.read_bytes())
     contents[len(contents) // 2] ^= 1
     chunk.write_bytes(contents)
 
 
 def spoil_data(checkpoint: Path, data: Path) -> None:
-    (data / "record.zarr" / "energy" / "c" / "0").unlink()
+    (data / "record.zarr" / "potential" / "c.0.0").unlink()
+
+
+def spoil_form(checkpoint: Path, data: Path) -> None:
+    # As versions saved it that kept every field in chunks of 64 frames, in folders.
+    with np.load(checkpoint) as kept:
+        arrays = {name: kept[name] for name in kept.files}
+    about = json.loads(arrays["about"].tobytes())
+    assert about.pop("form") == checkpoints.FORM == 2
+    arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
+    with open(checkpoint, "wb") as file:
+        np.savez(file, allow_pickle=False, **arrays)
 
 
 @pytest.mark.parametrize(
     ("spoil", "reason"),
     [
         (spoil_versions, "saved with other versions of numpy"),
+        (spoil_form, "its form is 1, not 2: another version saved it"),
         (spoil_processor, "saved on another kind of processor"),
         (spoil_contents, "cannot be read"),
         (spoil_length, "cannot be read"),
@@ -509,8 +522,7 @@ def test_files_left_half_written_never_get_into_the_artefact(
 ) -> None:
     checkpoint = interrupted_at_100(store, monkeypatch)
     group = store.path / "tmp" / checkpoint.parent.name / "data" / "record.zarr"
-    (group / "potential" / "c" / "1").mkdir(exist_ok=True)
-    (group / "potential" / "c" / "1" / "0.partial").write_bytes(b"half")
+    (group / "potential" / "c.1.0.partial").write_bytes(b"half")
     (group / "zarr.json").write_bytes(b"{")
     assert resumed_frames(store) == 100
     assert_same_bytes(store, unbroken)
