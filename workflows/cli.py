@@ -87,7 +87,6 @@ app = typer.Typer(
     "a store and never computed twice.",
 )
 app.add_typer(store_app, name="store")
-app.command("sweep")(sweep)
 
 
 @app.callback()
@@ -133,6 +132,9 @@ def run(
         store,
         Way(name, recompute_damaged, accept_code, workers, cluster, **ctx.obj),
     )
+
+
+app.command("sweep")(sweep)
 
 
 def _stage_command(stage: str) -> None:

@@ -63,6 +63,10 @@ def read_design(asked: Asked, variants: Variants[Any], overrides: Sequence[str] 
         blocks.append(_zipped(asked.together, variants))
     if asked.cases is not None:
         blocks.append(read_cases(asked.cases, lambda path: find_field(path, variants, "--cases")))
+    if asked.sample is None and asked.seed:
+        raise InputError(
+            f"--seed {asked.seed} makes samples, and there are none: add --sample lhs:N or sobol:N"
+        )
     if asked.sample is not None:
         method, count = parse_sample(asked.sample)
         if not intervals:

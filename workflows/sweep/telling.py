@@ -30,7 +30,8 @@ def tell_forecast(study: Study, forecast: Forecast) -> None:
     elif known:
         total = sum(stage.to_compute * (stage.seconds or 0.0) for stage in known)
         but = "" if len(known) == len(left) else ", and what is unknown"
-        print(f"about {duration(total)} of computing, after similar runs{but}")
+        most = "at most " if any(stage.open for stage in known) else ""
+        print(f"{most}about {duration(total)} of computing, after similar runs{but}")
     if any(stage.open for stage in forecast.stages.values()):
         print(
             "at most: the stages before them must run first, and where these give the same, one "

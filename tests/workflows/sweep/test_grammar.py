@@ -240,6 +240,11 @@ def test_the_seed_makes_the_samples() -> None:
     assert cases(design(*over, sample="lhs:5")) != cases(design(*over, sample="lhs:5", seed=1))
 
 
+def test_a_seed_without_samples_is_refused() -> None:
+    with pytest.raises(InputError, match="--seed 3 makes samples"):
+        design("mechanics.damping=1,2", seed=3)
+
+
 def test_samples_of_whole_numbers_are_whole_and_reach_both_ends() -> None:
     found = cases(design("mechanics.n_steps=10..12", sample="lhs:30"))
     assert sorted({value for (value,) in found}) == [10, 11, 12]
