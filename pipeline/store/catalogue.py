@@ -2,7 +2,8 @@
 
 Reading ten thousand manifests takes a second, asking for their times thirty milliseconds. So a few values
 of each manifest are kept in one file. That file is never trusted: which artefacts there are is asked
-of the store, and a line counts only if the manifest is still the one that it was made from.
+of the store, and a line counts only if it is as it was written, by its checksum, and the manifest is still
+the one that it was made from.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import datetime
 import json
 import os
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +97,7 @@ def catalogue(
         if lines + len(added) > 2 * len(rows) + SPARE_LINES:
             wanted = {(row.ref.stage, row.ref.key) for row in rows}
             kept = [json.dumps(line) for key, line in known.items() if key[:2] in wanted]
-            write_atomically(cache, "".join(f"{line}\n" for line in kept).encode())
+            write_atomically(cache, b"".join(_sealed(line) for line in kept))
         elif added:
             _append(cache, added)
     return rows
@@ -111,7 +113,7 @@ def _append(cache: Path, lines: list[str]) -> None:
     descriptor = os.open(cache, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
     try:
         # A line that another process did not finish must not spoil the first of these.
-        os.write(descriptor, "".join(f"\n{line}\n" for line in lines).encode())
+        os.write(descriptor, b"\n" + b"".join(_sealed(line) for line in lines))
     finally:
         os.close(descriptor)
 
@@ -122,8 +124,18 @@ def _read(cache: Path) -> tuple[int, dict[tuple[str, str, str], list[Any]]]:
         lines = cache.read_bytes().split(b"\n")
     except OSError:
         return 0, {}
-    whole = [line for line in lines if line]
-    return len(whole), {(line[0], line[1], line[2]): line for line in _parsed(whole)}
+    written = [line for line in lines if line]
+    whole = [line[9:] for line in written if line[:9] == _checksum(line[9:])]
+    return len(written), {(line[0], line[1], line[2]): line for line in _parsed(whole)}
+
+
+def _sealed(line: str) -> bytes:
+    """A line of the file: the wrong inputs of a result would let others be removed that are needed."""
+    return b"%s%s\n" % (_checksum(line.encode()), line.encode())
+
+
+def _checksum(line: bytes) -> bytes:
+    return b"%08x " % zlib.crc32(line)
 
 
 def _parsed(lines: list[bytes]) -> Iterator[list[Any]]:

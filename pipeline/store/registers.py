@@ -81,7 +81,8 @@ class Registers:
             path.parent.mkdir(parents=True, exist_ok=True)
             descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
             try:
-                os.write(descriptor, f"{ref}\n".encode())
+                # What a full disk cut off an earlier line must not spoil this one.
+                _write_whole(descriptor, f"\n{ref}\n".encode())
             finally:
                 os.close(descriptor)  # at once: on a network file system others see it only then
             if len(self._known) >= KNOWN_AT_MOST:
@@ -154,8 +155,9 @@ class Registers:
             with contextlib.ExitStack() as stack, contextlib.suppress(FileNotFoundError):
                 # It is not there if another process removed the empty folder just now.
                 descriptor = os.open(new, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+                stack.callback(new.unlink, missing_ok=True)
                 stack.callback(os.close, descriptor)
-                os.write(descriptor, json.dumps(to_json(label)).encode())
+                _write_whole(descriptor, json.dumps(to_json(label)).encode())
                 os.fsync(descriptor)
                 try_lock(descriptor, fcntl.LOCK_EX)
                 os.rename(new, path)
@@ -197,6 +199,12 @@ class Registers:
                 refs.append(Ref(stage, key))
         self._read[path] = (read + len(whole), refs)
         return refs
+
+
+def _write_whole(descriptor: int, contents: bytes) -> None:
+    """Write all of it: a disk that is nearly full takes a part and says nothing."""
+    while contents:
+        contents = contents[os.write(descriptor, contents) :]
 
 
 def _alive(path: Path, label: RunLabel) -> bool:

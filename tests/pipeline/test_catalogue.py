@@ -46,6 +46,18 @@ def test_a_lost_or_damaged_cache_changes_nothing(store: LocalStore) -> None:
     assert store.upkeep.rows() == expected
 
 
+def test_no_line_counts_in_which_a_bit_flipped(store: LocalStore) -> None:
+    # Above all the inputs must be right: a collection asks them what a tag keeps.
+    publish(store, example())
+    index = store.path / INDEX
+    expected, contents = store.upkeep.rows(), index.read_bytes()
+    for place in range(len(contents)):
+        index.write_bytes(
+            contents[:place] + bytes([contents[place] ^ 1]) + contents[place + 1 :]
+        )
+        assert store.upkeep.rows() == expected
+
+
 def test_a_line_that_was_not_written_whole_spoils_no_other(
     store: LocalStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
