@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,19 +102,23 @@ def open_store(location: str | None) -> Store:
 
 
 def output_folder(path: Path) -> Path:
-    """The folder, made if it is not there.
+    """The folder, made if it is not there; what killed processes left half written in it is removed.
 
     Raises
     ------
     InputError
         If it cannot be written: better known before hours of computing than after.
     """
+    from workflows.exports.files import remove_unfinished, temporary_sibling
+
     if path.exists() and not path.is_dir():
         raise InputError(f"the output folder {path} is a file; choose another with --out")
     try:
         path.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path, prefix=".myofilm-"):
-            pass
+        probe = temporary_sibling(path / "writable")
+        probe.touch()
+        probe.unlink()
+        remove_unfinished(path)
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
         raise InputError(

@@ -27,7 +27,7 @@ def check_description(contents: bytes, store: object) -> None:
         version = json.loads(contents)["version"]
         if type(version) is not int or version < 1:
             raise ValueError(f"version {version!r}")
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(
             f"unreadable description of the store {store}: store.json gives no version ({error})\n"
             f'Remedy: if all in it is of this version, write {{"version": {SCHEMA}}} into store.json; '

@@ -52,9 +52,7 @@ def test_no_line_counts_in_which_a_bit_flipped(store: LocalStore) -> None:
     index = store.path / INDEX
     expected, contents = store.upkeep.rows(), index.read_bytes()
     for place in range(len(contents)):
-        index.write_bytes(
-            contents[:place] + bytes([contents[place] ^ 1]) + contents[place + 1 :]
-        )
+        index.write_bytes(contents[:place] + bytes([contents[place] ^ 1]) + contents[place + 1 :])
         assert store.upkeep.rows() == expected
 
 

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import csv
+import os
+import platform
 import resource
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,8 +21,9 @@ from stages.artefacts import TipPaths
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
 from workflows.exports import beats, paraview, paraview_maps, probes, tips, vtkhdf
-from workflows.exports.files import ExportError, replacing
+from workflows.exports.files import ExportError, replacing, temporary_sibling
 from workflows.exports.sampling import FilmGrid
+from workflows.request import output_folder
 
 
 @pytest.fixture(scope="module")
@@ -217,3 +222,28 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
         fail()
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from workflows.exports.files import temporary_sibling
+temporary_sibling(Path(sys.argv[1], "fig8.png")).write_text("half")
+folder = temporary_sibling(Path(sys.argv[1], "sweep.zarr"))
+folder.mkdir()
+(folder / "zarr.json").write_text("{")
+folder.with_suffix(".former").mkdir()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_the_next_run_removes_what_a_killed_one_left_half_written(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    assert len(list(tmp_path.iterdir())) == 3
+    mine = temporary_sibling(tmp_path / "fig8.png")  # of a process that lives
+    elsewhere = tmp_path / f".fig8.another-{platform.node()}.4711.png"  # nobody can tell here
+    others = [mine, elsewhere, tmp_path / "fig8.png", tmp_path / f".notes.{os.getpid()}.txt"]
+    for path in others:
+        path.touch()
+    output_folder(tmp_path)
+    assert sorted(tmp_path.iterdir()) == sorted(others)

@@ -63,3 +63,10 @@ def test_a_source_covers_the_code_and_what_is_shown() -> None:
     assert one == source_id(["workflows.exports.probes"], {"postprocessing": "a"})
     assert one != source_id(["workflows.exports.probes"], {"postprocessing": "b"})
     assert one != source_id(["workflows.exports.paraview"], {"postprocessing": "a"})
+
+
+def test_a_value_in_which_something_changed_is_not_used(tmp_path: Path) -> None:
+    Ledger(tmp_path).keep("quantities", "source", {"speed": 0.0175})
+    path = tmp_path / NAME
+    path.write_text(path.read_text().replace("0.0175", "0.0975"))
+    assert Ledger(tmp_path).value("quantities", "source") is None

@@ -86,15 +86,16 @@ class Ledger:
         return any("sha256" in entry for entry in self._entries.values() if isinstance(entry, dict))
 
     def value(self, name: str, source: str) -> Any:
-        """A value kept with its source, ``None`` if it was made from something else."""
+        """A value kept with its source, ``None`` if it was made from something else or is damaged."""
         entry = self._entries.get(name)
-        if isinstance(entry, dict) and entry.get("source") == source:
-            return entry.get("value")
-        return None
+        if not isinstance(entry, dict) or entry.get("source") != source:
+            return None
+        value = entry.get("value")
+        return value if entry.get("digest") == _digest(source, value) else None
 
     def keep(self, name: str, source: str, value: Any) -> None:
         """Keep a JSON value."""
-        self._entries[name] = {"source": source, "value": value}
+        self._entries[name] = {"source": source, "value": value, "digest": _digest(source, value)}
         self._save()
 
     def _save(self) -> None:
@@ -104,9 +105,14 @@ class Ledger:
 def _read(path: Path) -> dict[str, Any]:
     try:
         entries = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return entries if isinstance(entries, dict) else {}
+
+
+def _digest(source: str, value: Any) -> str:
+    text = json.dumps([source, value], sort_keys=True)
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 def _sha256(path: Path) -> str:

@@ -6,6 +6,8 @@ field, whose coordinate is the field's values; else there is one dimension ``cas
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import math
 import os
 import shutil
@@ -18,7 +20,7 @@ import numpy as np
 import zarr
 
 from stages.numerics.bsplines import Array
-from workflows.exports.files import ExportError
+from workflows.exports.files import ExportError, temporary_sibling
 from workflows.sweep.results import Column, Results
 from workflows.workflow import Quantity
 
@@ -34,21 +36,34 @@ def write_arrays(results: Results, path: Path) -> None:
     ExportError
         If it cannot be written.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    former = path.with_name(f".{path.stem}.{os.getpid()}.former")
+    temporary = temporary_sibling(path)
+    former = temporary.with_suffix(".former")
     try:
         with warnings.catch_warnings():  # texts have no place in the zarr 3 specification yet
             warnings.filterwarnings("ignore", message=".*(Zarr V3|Zarr format 3) specification.*")
             _write(results, temporary)
             zarr.consolidate_metadata(temporary)  # never stale: the whole is always written anew
-        if path.exists():
-            os.rename(path, former)
-        os.rename(temporary, path)
+        _exchange(temporary, path, former)
     except OSError as error:
         raise ExportError(path, (error.strerror or str(error)).lower()) from error
     finally:
         for folder in (temporary, former):
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _exchange(new: Path, path: Path, former: Path) -> None:
+    """Put a folder in the place of another; sweeps into the same folder may do so at the same time."""
+    while True:
+        with contextlib.suppress(FileNotFoundError):
+            os.rename(path, former)
+        try:
+            os.rename(new, path)
+        except OSError as error:
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):
+                raise
+            shutil.rmtree(former, ignore_errors=True)  # another one was quicker: ours is later
+        else:
+            return
 
 
 def _write(results: Results, path: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workflows.exports.files import write_text
+from workflows.exports.files import remove_unfinished, write_text
 from workflows.sweep.results import Column, Results
 from workflows.sweep.tables import tidy, write_csv, write_parquet
 
@@ -41,6 +41,7 @@ def write_case(request: Request, outcomes: Mapping[str, Outcome], folder: Path, 
 
     own = folder / "cases" / name
     own.mkdir(parents=True, exist_ok=True)
+    remove_unfinished(own)
     write_outputs(request, outcomes, own)
 
 

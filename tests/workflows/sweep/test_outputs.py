@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 import zarr
 
+from workflows.sweep.arrays import write_arrays
 from workflows.sweep.asked import Asked
 from workflows.sweep.outputs import write_results
 from workflows.sweep.picture import worth_showing, write_picture
@@ -153,3 +155,21 @@ def test_quantities_that_change_are_shown_single_numbers_first() -> None:
     constant, single = Column("constant", "mm", [1.0, 1.0 + 1e-12]), Column("bend", "", [1.0, 3.0])
     assert worth_showing([listed, constant, single]) == [single, listed]
     assert worth_showing([constant]) == [constant]
+
+
+def test_two_sweeps_may_write_the_same_arrays_at_once(tmp_path: Path) -> None:
+    found = results(study("mechanics.n_steps=10:40:10"))
+    path = tmp_path / "sweep.zarr"
+    path.mkdir()
+    rename, others = os.rename, iter([True, True])
+
+    def another_is_quicker(source: Any, target: Any) -> None:
+        if target == path and next(others, False):
+            (path / "of-another").mkdir(parents=True)
+        rename(source, target)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "rename", another_is_quicker)
+        write_arrays(found, path)
+    assert "bend" in zarr.open_group(path, mode="r")
+    assert list(tmp_path.iterdir()) == [path]
