@@ -124,7 +124,7 @@ class Manifest:
             data["inputs"] = {role: InputEntry(**e) for role, e in data["inputs"].items()}
             data["warnings"] = tuple(data["warnings"])
             return cls(**data)
-        except (TypeError, KeyError, AttributeError) as error:
+        except (TypeError, KeyError, AttributeError, RecursionError) as error:
             raise ValueError(f"not a manifest: {error}") from error
 
 

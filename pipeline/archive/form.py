@@ -95,7 +95,7 @@ class Header:
             words = {name: str(data[name]) for name in ("name", "workflow", "config")}
             refs = tuple(Ref(str(stage), str(key)) for stage, key in data["refs"])
             command = tuple(str(word) for word in data["command"])
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise ArchiveError(path, f"its header cannot be read ({error})") from error
         if wrong := next((ref for ref in refs if not is_plain(ref)), None):
             raise ArchiveError(path, f"{str(wrong)!r} is not the name of a result")

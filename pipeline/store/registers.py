@@ -173,7 +173,7 @@ class Registers:
                     alive = _alive(path, label)
                 except FileNotFoundError:
                     continue  # it was forgotten just now
-                except ValueError as error:
+                except (ValueError, RecursionError) as error:
                     raise StoreError(
                         f"unreadable label of a run ({error})",
                         path=path,

@@ -9,6 +9,7 @@ import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -294,3 +295,35 @@ def test_a_run_that_could_not_be_begun_holds_no_file_open(
     assert len(list(descriptors.iterdir())) == before
     registers.begin(RunLabel("one", named=True))
     assert len(list(descriptors.iterdir())) == before + 1
+
+
+def test_a_line_that_a_full_disk_cut_off_spoils_none_that_follows(store: LocalStore) -> None:
+    """Such a disk takes a part of what is written, and tells of it when the rest is to follow."""
+    label, refs = RunLabel.of("n", "results"), [publish(store, example(gain=g)).ref for g in (1, 2)]
+    store.begin(label)
+    write, taken = os.write, iter([7, None])
+
+    def nearly_full(descriptor: int, contents: bytes) -> int:
+        count = next(taken)
+        if count is None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(descriptor, contents[:count])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "write", nearly_full)
+        with pytest.raises(StoreError, match="no space left"):
+            store.find(refs[0], label)
+    for ref in (refs[1], refs[0]):
+        store.find(ref, label)
+    assert set(refs) == {ref for ref in store.upkeep.used_by(label) if ref in refs}
+    assert free(store) == set()
+
+
+def test_a_label_that_does_not_fit_on_the_disk_leaves_nothing(store: LocalStore) -> None:
+    publish(store, example())
+    with pytest.MonkeyPatch.context() as patch:
+        full = OSError(errno.ENOSPC, "No space left on device")
+        patch.setattr("pipeline.store.registers._write_whole", Mock(side_effect=full))
+        with pytest.raises(StoreError, match="no space left"):
+            store.begin(RunLabel.of("n", "results"))
+    assert not list((store.path / "runs").rglob("*.new"))

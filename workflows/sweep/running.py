@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any
 
 from pipeline.computing.obtaining import Policy
-from pipeline.errors import InputError, MyofilmError
+from pipeline.errors import InputError, MyofilmError, StoreError
 from pipeline.executors import Executor
 from pipeline.fingerprint import fingerprint
 from pipeline.nodes import Node, in_order
@@ -186,6 +186,10 @@ class Sweep:
         if isinstance(result.error, InputError):
             raise result.error  # of the store, not of this case
         error = _message(result.error)
+        if isinstance(result.error, StoreError):
+            return (
+                error  # nor is this one: the next call, on a disk with room, tries the case again
+            )
         code = self._code(result.stage, self._study.nodes(case))
         failure = Failure(case.name, self._study.id_of(case), result.stage, error, code)
         self._journal.failed(failure)

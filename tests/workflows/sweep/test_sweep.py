@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
 import os
 import signal
@@ -11,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -232,6 +234,19 @@ def test_failures_are_remembered_and_tried_again_on_request(tiny: Desk) -> None:
     assert attempts() == 1
     assert failed(tiny.call("sweep", *FAILING, *out, "--retry-failed"))
     assert attempts() == 2
+
+
+def test_a_case_that_the_store_failed_is_tried_again_by_the_next_call(tiny: Desk) -> None:
+    """A full disk, or a damaged result, says nothing of the case."""
+    call = ("sweep", "--over", "mechanics.damping=5,6", "--out", tiny.folder / "refilled")
+    with pytest.MonkeyPatch.context() as patch:
+        full = OSError(errno.ENOSPC, "No space left on device")
+        patch.setattr("pipeline.store.workspace.sync_tree", Mock(side_effect=full))
+        result = tiny.call(*call)
+    assert result.exit_code == 1
+    assert "no space left on the disk of the store" in result.stderr
+    assert tiny.call(*call).exit_code == 0
+    assert {row["status"] for row in rows(tiny.folder / "refilled")} == {"done"}
 
 
 def test_another_setting_is_another_case_to_the_journal(tiny: Desk) -> None:
