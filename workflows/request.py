@@ -109,7 +109,7 @@ def output_folder(path: Path) -> Path:
     InputError
         If it cannot be written: better known before hours of computing than after.
     """
-    from workflows.exports.files import remove_unfinished, temporary_sibling
+    from workflows.unfinished import remove_unfinished, temporary_sibling
 
     if path.exists() and not path.is_dir():
         raise InputError(f"the output folder {path} is a file; choose another with --out")

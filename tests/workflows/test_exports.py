@@ -21,9 +21,10 @@ from stages.artefacts import TipPaths
 from tests.workflows.synthetic import synthetic_experiment
 from workflows.experiment import Experiment
 from workflows.exports import beats, paraview, paraview_maps, probes, tips, vtkhdf
-from workflows.exports.files import ExportError, replacing, temporary_sibling
+from workflows.exports.files import ExportError, replacing
 from workflows.exports.sampling import FilmGrid
 from workflows.request import output_folder
+from workflows.unfinished import temporary_sibling
 
 
 @pytest.fixture(scope="module")
@@ -227,7 +228,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from workflows.exports.files import temporary_sibling
+from workflows.unfinished import temporary_sibling
 temporary_sibling(Path(sys.argv[1], "fig8.png")).write_text("half")
 folder = temporary_sibling(Path(sys.argv[1], "sweep.zarr"))
 folder.mkdir()

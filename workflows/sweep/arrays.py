@@ -20,8 +20,9 @@ import numpy as np
 import zarr
 
 from stages.numerics.bsplines import Array
-from workflows.exports.files import ExportError, temporary_sibling
+from workflows.exports.files import ExportError
 from workflows.sweep.results import Column, Results
+from workflows.unfinished import temporary_sibling
 from workflows.workflow import Quantity
 
 ITEM = "item"

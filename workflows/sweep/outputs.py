@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workflows.exports.files import remove_unfinished, write_text
+from workflows.exports.files import write_text
 from workflows.sweep.results import Column, Results
 from workflows.sweep.tables import tidy, write_csv, write_parquet
+from workflows.unfinished import remove_unfinished
 
 if TYPE_CHECKING:
     from pipeline.scheduling.outcome import Outcome
