@@ -141,7 +141,7 @@ class StoreRun:
         if self.interrupts.requested or now - self._saved_at >= self._interval:
             self._save({name: np.asarray(value) for name, value in state().items()})
             self._saved_at = time.perf_counter()
-        self.interrupts.check()
+            self.interrupts.check()  # never where nothing was saved: the next call does that
         self.interrupts.deferrable = True
 
     def progress(self, done: int, total: int) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -543,3 +545,26 @@ def test_a_finished_stage_is_a_hit_after_a_later_interrupt(store: LocalStore) ->
         run(nodes, store, listen=events.append)
     assert [event.stage for event in events if isinstance(event, StageHit)] == ["mesh", "wave"]
     assert not any(isinstance(event, StageWaiting) for event in events)
+
+
+def test_a_signal_that_comes_just_after_it_was_looked_for_waits_until_the_work_is_saved() -> None:
+    """Otherwise the work since the last checkpoint would be lost though it could have been saved."""
+
+    class Late(interrupts.Interrupts):
+        looks = 0
+
+        @property
+        def requested(self) -> int | None:
+            self.looks += 1
+            return signal.SIGINT if self.looks > 1 else None
+
+    saved: list[Any] = []
+    of_stage = SimpleNamespace(
+        interrupts=Late(), _saved_at=time.perf_counter(), _interval=3600.0, _save=saved.append
+    )
+    checkpoint: Any = storerun.StoreRun.checkpoint
+    checkpoint(of_stage, lambda: {"step": 1})
+    assert not saved
+    with pytest.raises(interrupts.Stopped):
+        checkpoint(of_stage, lambda: {"step": 2})
+    assert saved == [{"step": 2}]
