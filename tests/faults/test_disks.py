@@ -157,7 +157,7 @@ def listen(event):
     if isinstance(event, StageStarted):
         (store.path / {folder!r}).chmod(0o500)
 try:
-    run(nodes, store, listen=listen)
+    run(nodes, store, listen=listen, checkpoint_interval=3600.0)
 except StoreError as error:
     print(error)
 """
