@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.errors import StoreError
 from pipeline.keys import Ref
 from pipeline.manifest import InputEntry, Manifest
 from pipeline.nodes import Node, Part, Source, in_order, source_node
@@ -117,8 +119,11 @@ class Forecast:
             return None
         stated = statement_of(node, self._codes.of(node), inputs)
         if stated.key in there:
-            stage.hits += 1
-            return self._store.manifest(Ref(name, stated.key))
+            # One that cannot be read, or went just now, is to be computed; the sweep tells of damage.
+            with contextlib.suppress(StoreError):
+                found = self._store.manifest(Ref(name, stated.key))
+                stage.hits += 1
+                return found
         self._estimate(stage, node, inputs)
         return None
 

@@ -249,6 +249,24 @@ def test_a_case_that_the_store_failed_is_tried_again_by_the_next_call(tiny: Desk
     assert {row["status"] for row in rows(tiny.folder / "refilled")} == {"done"}
 
 
+def test_a_damaged_manifest_is_told_with_what_to_do_and_mended_on_request(tiny: Desk) -> None:
+    """The forecast, which reads manifests before anything runs, must not end the sweep."""
+    call = ("sweep", "--over", "mechanics.damping=7,8", "--out", tiny.folder / "damaged")
+    mechanics = tiny.store / "objects" / "mechanics"
+    before = set(mechanics.glob("*/manifest.json"))
+    assert tiny.call(*call).exit_code == 0
+    made = set(mechanics.glob("*/manifest.json")) - before
+    assert len(made) == 2
+    for manifest in made:
+        manifest.write_bytes(manifest.read_bytes()[:99])
+    result = tiny.call(*call)
+    assert result.exit_code == 1
+    assert "2 of 2 cases failed" in result.stderr
+    assert "--recompute-damaged" in result.stderr
+    assert tiny.call(*call, "--recompute-damaged").exit_code == 0
+    assert {row["status"] for row in rows(tiny.folder / "damaged")} == {"done"}
+
+
 def test_another_setting_is_another_case_to_the_journal(tiny: Desk) -> None:
     out = ("--out", tiny.folder / "mended")
     assert tiny.call("sweep", *FAILING, *out).exit_code == 1
