@@ -287,7 +287,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], None], str]] = {
     "a lost file": (members_changed(without(".h5")), "stands in place of"),
     "no header": (members_changed(without(HEADER)), "stands in place of archive.json"),
     "a path upwards": (members_changed(renamed("../../up.h5")), "stands in place of"),
-    "an absolute path": (members_changed(renamed("/tmp/up.h5")), "stands in place of"),
+    "an absolute path": (members_changed(renamed("/up.h5")), "stands in place of"),
     "a path upwards that is announced": (members_changed(outside), "outside of its folder"),
     "a link": (members_changed(linked), "not a plain file"),
     "another key": (members_changed(forged), "key of .* is not that of its statement"),
