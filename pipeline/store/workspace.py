@@ -29,11 +29,7 @@ class LocalWorkspace:
 
     def begin(self, *, resume: bool) -> None:
         """Make ready to write."""
-        with storing(self.folder):
-            if not resume:
-                remove_tree(self.folder)
-                remove_tree(self.checkpoint.parent)
-            self.data.mkdir(parents=True, exist_ok=True)
+        make_ready(self.folder, self.data, self.checkpoint, resume=resume)
 
     def saved(self, *, last: bool) -> None:
         """The checkpoint is where it belongs already."""
@@ -56,6 +52,21 @@ class LocalWorkspace:
             remove_tree(self.checkpoint.parent)
             note(self.target.parents[2] / INDEX, manifest, stamp(self.target))
         return manifest
+
+
+def make_ready(folder: Path, data: Path, checkpoint: Path, *, resume: bool) -> None:
+    """Make the data folder below a work folder; unless resuming, remove what was left there.
+
+    Raises
+    ------
+    StoreError
+        If the disk refuses.
+    """
+    with storing(folder):
+        if not resume:
+            remove_tree(folder)
+            remove_tree(checkpoint.parent)
+        data.mkdir(parents=True, exist_ok=True)
 
 
 def _make_durable(folder: Path) -> None:

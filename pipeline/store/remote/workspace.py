@@ -15,6 +15,7 @@ from pipeline.store.remote.markers import Marker, data_folder, marker_path
 from pipeline.store.remote.mirror import Mirror
 from pipeline.store.remote.objects import Objects
 from pipeline.store.remote.read_cache import ReadCache
+from pipeline.store.workspace import make_ready
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,7 @@ class RemoteWorkspace:
 
     def begin(self, *, resume: bool) -> None:
         """Make ready to write."""
-        with storing(self.folder):
-            if not resume:
-                remove_tree(self.folder)
-                remove_tree(self.checkpoint.parent)
-            self.data.mkdir(parents=True, exist_ok=True)
+        make_ready(self.folder, self.data, self.checkpoint, resume=resume)
 
     def saved(self, *, last: bool) -> None:
         """Copy the checkpoint now and then."""
