@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from pipeline.config import describe
 from pipeline.lineage import Lineage, lineage
+from workflows.pages import page
 from workflows.progress import duration, size
 from workflows.provenance.picture import picture
-from workflows.tables import number, parameter
 from workflows.version import version
 from workflows.workflow import Quantity
 
@@ -27,17 +26,12 @@ def render(
     request: Request,
     outcomes: Mapping[str, Outcome],
     quantities: Mapping[str, Quantity],
-    template: Path,
     folder: Path,
 ) -> str:
     """HTML text with the pictures of the output folder inside."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"number": number, "parameter": parameter}
-    page = environment.from_string(template.read_text(encoding="utf-8"))
     workflow = request.workflow
-    return page.render(
+    return page(
+        "report.html",
         workflow=workflow,
         version=version(),
         quantities=quantities,

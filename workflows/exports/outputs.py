@@ -15,6 +15,7 @@ from pipeline.verification import telling_damage
 from workflows.experiment import Experiment
 from workflows.exports.files import holds, write_text
 from workflows.exports.ledger import Ledger, source_id
+from workflows.pages import sources
 from workflows.workflow import Export, Quantity
 
 if TYPE_CHECKING:
@@ -144,21 +145,20 @@ def _make_report(
     ledger: Ledger,
     folder: Path,
 ) -> None:
-    template = Path(__file__).parents[1] / "templates" / "report.html"
     contents: dict[str, Any] = {
         "config": canonical(request.config),
         "stages": {name: outcome.key for name, outcome in outcomes.items()},
         "results": _contents(outcomes, tuple(outcomes)),
         "quantities": {name: repr(quantity) for name, quantity in quantities.items()},
         "remarks": list(request.workflow.remarks(quantities)),
-        "template": template.read_text(encoding="utf-8"),
+        "template": sources("report.html"),
         "exports": [_source(export, request, outcomes, ledger) for export in request.exports],
     }
     source = source_id(["workflows.report"], contents, ledger.sources)
     if not ledger.is_current("report.html", source):
         from workflows.report import render
 
-        write_text(folder / "report.html", render(request, outcomes, quantities, template, folder))
+        write_text(folder / "report.html", render(request, outcomes, quantities, folder))
         ledger.made("report.html", source)
 
 

@@ -7,14 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
 from pipeline.config import describe
 from workflows.exports.files import write_text
-from workflows.progress import duration
+from workflows.pages import page
 from workflows.sweep.design import Design
 from workflows.sweep.results import Column, Results
-from workflows.tables import number, parameter
+from workflows.tables import parameter
 from workflows.version import version
 
 ROWS = 500
@@ -46,17 +44,12 @@ def write_page(results: Results, folder: Path, files: Sequence[str], shown: str)
     shown
         What the picture shows.
     """
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"number": number, "parameter": parameter, "duration": duration}
-    template = Path(__file__).parents[1] / "templates" / "sweep.html"
-    page = environment.from_string(template.read_text(encoding="utf-8"))
     study = results.study
     design = study.design
     parameters, measured = results.parameters(), _listed(results.scalars())
     picture = base64.b64encode((folder / "cases.png").read_bytes()).decode()
-    text = page.render(
+    text = page(
+        "sweep.html",
         workflow=study.workflow,
         version=version(),
         counts={
